@@ -4,9 +4,9 @@ A resonator has no such size in its logarithm: it stands at next to nothing, at 
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import product
-from math import inf, isfinite, sqrt
+from math import inf, isfinite, log, sqrt
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -15,14 +15,16 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.toml_file import nearest
+from identification.quality import NORMAL_90
 from validation.diagnose import pendulum
 from validation.diagnose.classical import pendulum_candidates
 from validation.diagnose.diagnosis import Candidate, Detectable, Screened
+from validation.diagnose.unexplained_fit import Swallowing, swallowing
 from validation.effects import effect
 from validation.effects.catalogue import FAMILIES, Named, acts
-from validation.estimation.fit import FLOOR
+from validation.estimation.fit import BREAKDOWNS, FLOOR
 from validation.estimation.likelihood import cost_of
-from validation.estimation.problem import EFFECT, FITTED, Fact, Parameter, Prediction, Problem
+from validation.estimation.problem import EFFECT, FITTED, Fact, Offsets, Parameter, Prediction, Problem
 from validation.estimation.screening import POWER, MadeUp, ScoreTest, in_the_fit, screened
 from validation.history.add import names_of
 from validation.model.model import Added
@@ -278,6 +280,115 @@ USUAL = "four of five frequencies"
 """At which a resonator of that mass would be named; tuned to a resonance of the article, one of a hundredth of it would be."""
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AnySize:
+    """What the data say of a fault of the structure of any size, which no straight line follows far: what a spring holds moves no
+    more. The others follow it as of a small one.
+
+    Attributes
+    ----------
+    told : of a small one
+    parameter : of it
+    problem : in which it is one
+    offsets : of the fit
+    tests : what the fit leaves
+    """
+
+    told: ScoreTest
+    parameter: Parameter
+    problem: Problem
+    offsets: Offsets
+    tests: Sequence[Swallowing]
+
+    @classmethod
+    def of(cls, there: Candidate, added: Added) -> "AnySize | None":
+        """Of an effect of `there`, from where its fit ended; None of one that a straight line follows."""
+        name = next(iter(names_of(there.problem, added.named)), "")
+        if added.fixed or added.named.family not in SPRINGS or name not in (known := in_the_fit(there.fit)):
+            return None
+        parameter = next(one for one in there.fit.parameters if one.name == name)
+        offsets = {**there.problem.start, **there.fit.by_name}
+        return cls(told=known[name], parameter=parameter, problem=there.problem, offsets=offsets, tests=swallowing(there))
+
+    def _read(self, offset: float) -> tuple[Array, Array, float, float]:
+        """Slope, and what a size that is `offset` away does along the root, both but for itself; its score and its square."""
+        by_name = {one.measured.name: one for one in self.problem.predictions}
+        there = {**self.offsets, self.told.name: self.offsets.get(self.told.name, 0.0) + offset}
+        told = [one.read(by_name[one.of.name].at(there, one.of.lines, derivatives=False).rows) for one in self.tests]
+        slope, swallowed = self.tests[0].slope, np.sum([one.swallowed for one in told], axis=0)
+        for own in [one.root[one.names.index(self.told.name)] for one in self.tests if self.told.name in one.names][:1]:
+            slope, swallowed = (each - own * float(own @ each) / float(own @ own) for each in (slope, swallowed))
+        return slope, swallowed, *(float(sum(getattr(one, what) for one in told)) for what in ("score", "own"))
+
+    def at(self, offset: float) -> ScoreTest:
+        """What they say of a size of `offset`."""
+        _, swallowed, _, own = self._read(offset)
+        return replace(self.told, information=max(own - float(swallowed @ swallowed), 0.0) / offset**2)
+
+    def interval(self) -> tuple[float, float, float]:
+        """The offset that the data alone say, and the ends of its interval of 90 %: bounds where no data end it."""
+        from scipy.optimize import brentq
+
+        here, low, high = self.offsets[self.told.name], self.parameter.low, self.parameter.high
+        sizes = here + OCTAVES * log(2) if self.parameter.logarithmic else here * np.exp2(OCTAVES)
+        every = np.unique(np.clip([*sizes, self.told.estimate], low, high))
+        gains = [self._gained(x - here) for x in every]
+        best = int(np.argmax(gains))
+        least = gains[best] - 0.5 * NORMAL_90**2
+
+        def end(beyond: Sequence[int], bound: float) -> float:
+            k = next((k for k in beyond if gains[k] < least), None)
+            if k is None:
+                return bound
+            return float(brentq(lambda x: max(self._gained(x - here), least - 9.0) - least, every[best], every[k], rtol=1e-3))
+
+        return float(every[best]), end(range(best - 1, -1, -1), low), end(range(best + 1, len(every)), high)
+
+    def _gained(self, offset: float) -> float:
+        """[nats] By the data alone, of a size that is `offset` away."""
+        try:
+            slope, swallowed, score, own = self._read(offset)
+        except BREAKDOWNS:
+            return -np.inf
+        return score - 0.5 * own + float(slope @ swallowed + 0.5 * swallowed @ swallowed)
+
+    def detectable(self, plausible: float, evidence: float, side: int = 1) -> float:
+        """As `ScoreTest.detectable`, of the size that it tells, to that `side`; infinite where none that is allowed does."""
+        bound = side * (self.parameter.high if side > 0 else self.parameter.low)
+        low = high = self.told.detectable(plausible, evidence)
+
+        def named(offset: float) -> bool:
+            try:
+                return offset >= self.at(side * offset).detectable(plausible, evidence)
+            except BREAKDOWNS:
+                return False
+
+        while high < bound and not named(high):
+            low, high = high, GROWS * high
+        if not high < bound:
+            return np.inf
+        while high > (1 + NEAR) * low:
+            middle = sqrt(low * high)
+            low, high = (low, middle) if named(middle) else (middle, high)
+        return high
+
+
+OCTAVES = np.arange(-8.0, 9.0)
+"""[octave] Sizes about that of a fit between which an interval ends; beyond nothing ends it. Exercised by
+tests/validation/diagnosing/test_candidates.py."""
+
+GROWS = 4.0
+"""[factor] By which a size grows that is not told yet. By definition."""
+
+NEAR = 0.05
+"""[share] to which the smallest size is looked for. Held by tests/validation/diagnosing/test_candidates.py."""
+
+ABOVE, BELOW = "factors above 1", "factors below 1"
+"""At which alone a factor would be named: what is all but rigid cannot be stiffer."""
+
+SPRINGS = ("cable", "support-stiffness", "connection-compliance", "joint-compliance")
+"""Families of which more and more comes to the same: what a spring holds, or no longer holds, moves no more."""
+
 LOSSES = ("structural-damping", "layer-damping")
 """Families of what may be many times as large as what modes lose, of which all that is known multiplies."""
 
@@ -292,14 +403,18 @@ def detectable(screened: Sequence[Screened]) -> tuple[Detectable, ...]:
         if one.usual is not None:
             away, at = TINY * (sqrt(2 * (wanted + OCCAM)) + POWER) * one.usual.deviation, USUAL
         else:
-            away, at = (one.made_up or one.told).detectable(one.plausible, wanted), ""
+            away, at = (one.any_size or one.told).detectable(one.plausible, wanted), ""
+            if isinstance(one.any_size, AnySize) and one.parameter is not None and one.parameter.logarithmic:
+                less = one.any_size.detectable(one.plausible, wanted, -1)
+                at = ABOVE if away < less == inf else BELOW if less < away == inf else ""
+                away = {ABOVE: away, BELOW: -less}.get(at, max(away, less))
             if one.parameter is not None and isfinite(away):
                 try:
                     away = one.parameter.value(away) - one.parameter.value(0.0)
                 except OverflowError:  # more than a number holds
                     away = inf
         if isfinite(away):
-            found.append(Detectable(id=one.id, size=away, unit=size.unit, at=at))
+            found.append(Detectable(id=one.id, size=abs(away), unit=size.unit, at=at))
     return tuple(found)
 
 
@@ -327,21 +442,31 @@ def screen(data: Study, at: Candidate, menu: Sequence[Added]) -> tuple[Screened,
     resonators = [one for one in left if is_resonator(one.named)]
     of_periods = [one for one in left if FAMILIES[one.named.family].stage == effect.PERIOD_STAGE]
     new = [one for one in left if one not in inside and one not in resonators and one not in of_periods]
-    found = []
+    found, offsets, tests = [], {**at.problem.start, **at.fit.by_name}, swallowing(at)
+
+    def of_spring(one: Screened) -> Screened:
+        if one.added.named.family not in SPRINGS or one.parameter is None:
+            return one
+        problem = data.problem((*at.effects, replace(one.added, fixed=False)))
+        whole = AnySize(told=one.told, parameter=one.parameter, problem=problem, offsets=offsets, tests=tests)
+        return replace(one, any_size=whole)
+
     for one in inside:
         told = tolerances[one.named.id]
         (size,) = one.named.sizes
-        found.append(_sized(one, size, next(each for each in at.fit.parameters if each.name == told.name), told))
+        sized = _sized(one, size, next(each for each in at.fit.parameters if each.name == told.name), told)
+        found.append(of_spring(sized))
     if new:
         firsts = {one.named.id: (*one.named.fitted_sizes, one.named.sizes[0])[0] for one in new if one.named.sizes}
         names = {one.named.id: effects.name(one.named, firsts[one.named.id].key) for one in new if one.named.sizes}
         problem = data.problem((*at.effects, *(replace(one, fixed=False) for one in new)))
         columns = screened(problem, at.fit, [name for name in names.values() if name in problem.by_name], by_line=False)
-        tests = columns.told()
+        scores = columns.told()
         for one in new:
-            if (which := names.get(one.named.id, "")) in tests:
-                made_up = MadeUp.of(columns, tests[which]) if one.named.family in LOSSES else None
-                found.append(replace(_sized(one, firsts[one.named.id], problem.by_name[which], tests[which]), made_up=made_up))
+            if (which := names.get(one.named.id, "")) in scores:
+                sized = _sized(one, firsts[one.named.id], problem.by_name[which], scores[which])
+                lost = MadeUp.of(columns, scores[which]) if one.named.family in LOSSES else None
+                found.append(of_spring(replace(sized, any_size=lost)))
     found += screened_resonators(data, at, resonators)
     # Of effects on a period no straight line tells, and no smallest size by one
     for added, swings in pendulum.told(data, at, of_periods) if of_periods else ():

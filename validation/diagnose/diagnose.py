@@ -426,8 +426,11 @@ def as_cause(added: Added, of: diagnosis.Candidate, evidence: float, stands: Goo
             if one.name in alone and not size.logarithmic:  # a size known to a factor counts from where the fit ended
                 x, sd = alone[one.name].estimate, alone[one.name].deviation
                 value = min(max(one.value(x), size.low), size.high)
-            ends = sorted((one.value(x - NORMAL_90 * sd), one.value(x + NORMAL_90 * sd)))
-            low, high = (min(max(end, size.low), size.high) for end in ends)
+            ends = [x - NORMAL_90 * sd, x + NORMAL_90 * sd]
+            if (any_size := candidates.AnySize.of(of, added)) is not None:
+                x, *ends = any_size.interval()
+                value = min(max(one.value(x), size.low), size.high)
+            low, high = (min(max(one.value(end), size.low), size.high) for end in sorted(ends))
         sizes.append(diagnosis.EffectEstimate(key=size.key, value=value, unit=size.unit, low=low, high=high))
     return diagnosis.Cause(
         named=added.named,

@@ -15,7 +15,7 @@ from validation.effects.catalogue import FAMILIES, Named, parse
 from validation.effects.effect import MISTAKE as OF_MISTAKES
 from validation.effects.effect import Vocabulary
 from validation.estimation.problem import DECLARED, SENSOR, Evaluation, Fit, Parameter, Problem
-from validation.estimation.screening import MadeUp, ScoreTest
+from validation.estimation.screening import ScoreTest, Smallest
 from validation.estimation.verdicts import expected_z2, largest_z, misfit
 from validation.model.model import Added
 from validation.output import derived, entry, unwritten, with_unit
@@ -603,7 +603,7 @@ class Screened:
     plausible : standard deviation of a plausible fault, in the offset of the parameter
     parameter : that the straight line is along, which says what its offset means; None of resonators and of periods
     usual : of a resonator what the data say of its mass at a frequency and damping at which they say neither much nor little
-    made_up : the same of a loss, for which what is known of losses makes up by factors
+    any_size : the same of a size that no straight line follows far: of a loss, and of a spring
     """
 
     added: Added
@@ -612,7 +612,7 @@ class Screened:
     plausible: float
     parameter: Parameter | None = None
     usual: ScoreTest | None = None
-    made_up: MadeUp | None = None
+    any_size: Smallest | None = None
 
     @property
     def id(self) -> str:
@@ -670,7 +670,20 @@ def sized(of: Cause, size: EffectEstimate) -> str:
     key = f"{size.key} " if size.key else ""
     if size.low == size.high:
         return key + with_unit(value, unit)
+    if end := open_end(of, size):
+        return f"{key}{end} {with_unit(low if end == AT_LEAST else high, unit)}"
     return f"{key}{with_unit(value, unit)} ({low} to {high})"
+
+
+AT_LEAST, AT_MOST = "at least", "at most"
+
+
+def open_end(of: Cause, size: EffectEstimate) -> str:
+    """Which end of its interval alone the data tell of one size, in words; empty of both."""
+    spec = next(one for one in of.named.sizes if one.key == size.key)
+    if size.low == size.high:
+        return ""
+    return AT_LEAST if size.high >= spec.high else AT_MOST if spec.low > 0 and size.low <= spec.low else ""
 
 
 def interval(of: Cause, size: EffectEstimate) -> tuple[str, str, str, str]:

@@ -30,10 +30,9 @@ from validation.diagnose.diagnosis import Candidate, FoundNode
 from validation.diagnose.search import can_restart, fit_with, restarted_from_priors
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import INDISTINGUISHABLE_NATS, at_position, evidence_threshold, position
-from validation.estimation import likelihood
 from validation.estimation.fit import BREAKDOWNS, FLOOR
 from validation.estimation.likelihood import cost_of
-from validation.estimation.problem import Fit, Predicted, Problem
+from validation.estimation.problem import Fit, Problem
 from validation.model.model import Added
 from validation.prediction.dynamic_mass import Finite
 from validation.prediction.effects import UNSEEN, Nuisances
@@ -377,18 +376,11 @@ class MeshSearch:
             mass[:] = size
         else:
             spring[SPRINGS.index(kind)] = size
-        slope = self.tests[0][0].slope
-        gain, turned = 0.0, np.zeros_like(slope)
-        for (left, _), read in zip(self.tests, self.finite, strict=True):
-            try:
-                predicted = Predicted(rows=read(row, mass, spring), noise=left.of.predicted.noise)
-                d = left.of.values - likelihood.residual(left.of.seen, predicted, FLOOR)
-            except BREAKDOWNS:
-                return -np.inf
-            gain += float(np.sum((left.of.values.conj() * d).real)) - 0.5 * float(np.sum(np.abs(d) ** 2))
-            moved = left.moved.reshape(-1, left.moved.shape[-1])
-            turned = turned + (d.swapaxes(0, 1).reshape(-1).conj() @ moved).real @ left.root
-        gain += 0.5 * float(np.sum((slope + turned) ** 2 - slope**2))
+        try:
+            told = [left.read(read(row, mass, spring)) for (left, _), read in zip(self.tests, self.finite, strict=True)]
+        except BREAKDOWNS:
+            return -np.inf
+        gain = fit.gain(told, self.tests[0][0].slope)
         gain += self.brought
         known = 0.5 * (size / spread) ** 2 + 0.5 * float(np.log1p(2 * max(gain, 0.0) * (spread / size) ** 2))
         return gain - known

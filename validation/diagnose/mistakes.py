@@ -706,10 +706,11 @@ def _of_channels(
         if trials[exchanged] < NEAR:
             nats = (max(distances) ** 2 - trials[exchanged] ** 2) / OFF**2 * min(len(y), INDEPENDENT)
             return [_cause("channel-swap", (names[exchanged[0]], names[exchanged[1]]), float(nats))]
-    if np.mean(np.array(distances) < NEAR) < FAR:  # what most of the channels say is not what the model says
-        return causes
+    # By what the others read, the model must be right: channels that hardly move agree with anything
+    squares, agree = np.mean(np.abs(p) ** 2, axis=0), np.array(distances) < NEAR
     for k, (each, away) in enumerate(zip(taken, distances, strict=True)):
-        if not each.is_right or away < NEAR:
+        rest = np.arange(c) != k
+        if not each.is_right or away < NEAR or squares[rest & agree].sum() < FAR * squares[rest].sum():
             continue
         # Another direction, or another place, and either sign
         right = _likelihood([readings], k, k, 1.0)

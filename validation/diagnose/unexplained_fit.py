@@ -2,7 +2,7 @@
 what columns of places times courses would gain."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -270,6 +270,16 @@ class Swallowing:
     slope: Array
     _kept: dict[bytes, tuple[ComplexArray, ComplexArray]] = field(default_factory=dict, init=False, repr=False)
 
+    def read(self, rows: ComplexArray) -> "Answers":
+        """How it answers to the readings `rows` (n, c, k) in place of those of the fit, without the first order; one column."""
+        d = self.of.values - likelihood.residual(self.of.seen, replace(self.of.predicted, rows=rows), FLOOR)
+        moved = self.moved.reshape(-1, self.moved.shape[-1])
+        return Answers(
+            score=np.asarray(np.sum((self.of.values.conj() * d).real)),
+            own=np.asarray(np.sum(np.abs(d) ** 2)),
+            swallowed=(d.swapaxes(0, 1).reshape(-1).conj() @ moved).real @ self.root,
+        )
+
     def on(self, channels: npt.NDArray[np.int64]) -> tuple[ComplexArray, ComplexArray]:
         """(m, r c', 1) whitened residuals and (m, r c', a) what the parameters do, of `channels` (c',); kept, since many ask."""
         which = channels.tobytes()
@@ -362,6 +372,13 @@ def following(of: Products, courses: ComplexArray, root: Array) -> Answers:
         own=np.abs(courses) ** 2 @ of.square,
         swallowed=others.reshape(len(courses), q, p) @ root,
     )
+
+
+def gain(answers: Sequence[Answers], slope: Array) -> float:
+    """[nats] Of one column as it is, in several data sets."""
+    score, own = (float(sum(getattr(one, what) for one in answers)) for what in ("score", "own"))
+    swallowed = sum(one.swallowed for one in answers)
+    return score - 0.5 * own + 0.5 * float(np.sum((slope + swallowed) ** 2 - slope**2))
 
 
 def gains(answers: Sequence[Answers], slope: Array) -> Gains:

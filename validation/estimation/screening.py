@@ -22,6 +22,7 @@ products of the other with the residual and with J are kept by line.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import log, sqrt
+from typing import Protocol
 
 import numpy as np
 
@@ -42,6 +43,13 @@ tests/validation/engine/test_screening.py."""
 KNOWN = 1e-12
 """[share] of its own square that must be left of a column beside the others for the data to tell it at all. Exercised by
 tests/validation/engine/test_screening.py."""
+
+
+class Smallest(Protocol):
+    """What tells the smallest size that data would name."""
+
+    def detectable(self, plausible: float, evidence: float) -> float:
+        """See `ScoreTest.detectable`."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -518,6 +518,8 @@ class DiagnosisPage:
             for size in one.sizes:
                 value, low, high, unit = results.interval(one, size)
                 interval = NONE if size.low == size.high else f"{low} to {high}"
+                if end := results.open_end(one, size):
+                    value, interval = f"{end} {low if end == results.AT_LEAST else high}", NONE
                 lines.append((f"{one.id} {size.key}".rstrip(), value, interval, unit or NONE, evidence, likely))
                 evidence = likely = ""
             if not one.sizes:

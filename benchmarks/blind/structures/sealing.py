@@ -133,7 +133,7 @@ def _limits(folder: Path, null: StructureCase) -> dict[str, float]:
     study = Study.open(folder / MODEL, [folder / TEST])
     base = baseline(study)
     menu = [one for one in candidates(study) if one.named.family in KNOWN and "every" not in one.named.targets]
-    found = {one.id: one.size for one in detectable(screen(study, base, menu))}
+    found = {one.id: one.size for one in detectable(screen(study, base, menu)) if not one.at}  # to either side
     generator = stream(null.laboratory, "nodes")
     reduced = study.tests[0].structure.reduced  # type: ignore[union-attr]
     assert reduced is not None

@@ -1,7 +1,10 @@
 """Candidates in closed form: aliases, resonators of every frequency, the smallest size that would be named."""
 
-from dataclasses import dataclass
-from math import expm1, inf
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import expm1, inf, isfinite
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,14 +13,17 @@ import pytest
 from numpy.testing import assert_allclose
 
 from benchmarks.bench_scale import MODEL, campaign
-from validation.diagnose import candidates
-from validation.diagnose.candidates import OCCAM, TINY, TINY_AT, band, detectable, shape, share
-from validation.diagnose.diagnosis import Screened
+from validation.diagnose import candidates, search
+from validation.diagnose.candidates import OCCAM, TINY, TINY_AT, band, baseline, detectable, screen, shape, share
+from validation.diagnose.diagnose import as_cause
+from validation.diagnose.diagnosis import Candidate, Screened, sized
+from validation.diagnose.search import CandidateFit, is_accepted
 from validation.effects.catalogue import parse
-from validation.effects.effect import evidence_threshold
+from validation.effects.effect import Vocabulary, evidence_threshold
 from validation.estimation.problem import EFFECT, Parameter
 from validation.estimation.screening import POWER, ScoreTest
 from validation.model.model import Added
+from validation.prediction.modal_table import real_modes, seen
 from validation.prediction.series import predictions
 from validation.study import Study
 
@@ -154,3 +160,84 @@ def test_no_resonator_is_looked_up_where_data_have_no_lines():
     table: Any = SimpleNamespace(problem=lambda effects: Table())
     stands: Any = SimpleNamespace(effects=(), fit=None)
     assert candidates.screened_resonators(table, stands, [Added(named=parse("slosh:mast-top=m:0.1,f:9,zeta:0.01"))]) == []
+
+
+@pytest.fixture(scope="module")
+def table(portal: Callable[..., Path], tmp_path_factory: pytest.TempPathFactory) -> Study:
+    """A table of four modes of a portal as its model has them."""
+    folder = tmp_path_factory.mktemp("table")
+    model = portal(folder, 6)
+    model.write_text(model.read_text().replace("places.a", 'places.d = ["0 mm", "0 mm", "40 mm"]\nplaces.a'))
+
+    def read(frequency: Sequence[float], shapes: Sequence[Sequence[float]]) -> Study:
+        written = {
+            "format": 1,
+            "kind": "modal-table",
+            "article": "portal",
+            "sensors": ["a:x", "a:z", "b:x", "b:z", "c:y", "c:z"],
+            "frequencies": [f"{one:.9g} +/- {0.01 * one:.3g} Hz" for one in frequency],
+            "shapes": [[float(f"{x:.9g}") for x in row] for row in shapes],
+            "shapes_deviation": 0.05,
+        }
+        lines = [f"{key} = {json.dumps(value)}" for key, value in written.items()]
+        (folder / "table.toml").write_text("\n".join(lines) + "\n")
+        return Study.open(model, [folder / "table.toml"])
+
+    known = [40.0, 80.0, 160.0, 320.0]
+    first = read(known, np.eye(4, 6).tolist())
+    modes = real_modes(first.tests[0].structure.nominal)
+    rows = seen(modes.matrices, first.tests[0].table)
+    return read(modes.frequency[:4], (rows @ modes.shapes[:, :4]).T.tolist())
+
+
+def with_effect(study: Study, text: str) -> Study:
+    """`study`, whose data are those of its model with an effect."""
+    there = Added(named=parse(text, Vocabulary(places=None)), fixed=True)
+    tests = [
+        replace(one, measured=replace(one.measured, values=one.with_effects((there,)).at({}, derivatives=False).rows[..., 0]))
+        for one in study.tests
+    ]
+    return replace(study, tests=tuple(tests))
+
+
+SATURATED = ("cable:d:x", "cable:d:y")
+
+
+def beside(study: Study, id: str, size: float) -> tuple[Candidate, CandidateFit]:
+    """The fit of what has the effect without it, and with it."""
+    there = with_effect(study, f"{id}={size}")
+    start = baseline(there)
+    added = Added(named=parse(f"{id}={size}", Vocabulary(places=None)))
+    return start, search.candidate_fit(start, search.fit_with(there, start, added))
+
+
+def test_a_spring_is_named_at_the_size_that_is_promised_and_at_none_where_none_is(table: Study) -> None:
+    """What a post holds beside its foot moves no more however stiff a spring: a straight line promises it all the same."""
+    of = {one.id: one for one in screen(table, baseline(table), candidates.candidates(table, only=["cable"]))}
+    promised, asked = {one.id: one.size for one in detectable(list(of.values()))}, evidence_threshold("cable")
+    for id in ("cable:c:z", *SATURATED):
+        assert asked < beside(table, id, promised[id])[1].evidence < asked + 6  # what noise may take away of it is there yet
+    for id in SATURATED:
+        assert beside(table, id, of[id].told.detectable(of[id].plausible, asked))[1].evidence < asked
+    assert "cable:d:z" not in promised
+    assert isfinite(of["cable:d:z"].told.detectable(of["cable:d:z"].plausible, asked))
+    assert beside(table, "cable:d:z", 1e9)[1].evidence < asked
+
+
+@pytest.mark.parametrize(
+    ("id", "size", "told"),
+    [
+        ("cable:c:z", 3e5, "299966 N/m (2753"),
+        ("cable:d:x", 3e7, "at least 1.1e+07 N/m"),
+        ("cable:d:x", 1e9, "at least"),
+    ],
+)
+def test_a_spring_of_which_more_comes_to_the_same_is_told_to_be_at_least_as_stiff(
+    table: Study, id: str, size: float, told: str
+) -> None:
+    _, fitted = beside(table, id, size)
+    assert is_accepted(fitted)
+    cause = as_cause(fitted.added, fitted.candidate, fitted.evidence, fitted.goodness)
+    (one,) = cause.sizes
+    assert one.low < size <= one.high
+    assert told in sized(cause, one)

@@ -2,12 +2,13 @@
 
 import warnings
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from validation.diagnose.diagnosis import Cause
-from validation.diagnose.mistakes import mistakes
+from validation.diagnose.mistakes import _of_channels, _shared_factor, mistakes
 from validation.effects.catalogue import parse
 from validation.effects.effect import Vocabulary
 from validation.model.model import Added
@@ -72,6 +73,33 @@ def test_a_mistake_is_named_and_nothing_beside_it(kind: str, text: str, bracket:
     assert [one.partition("=")[0] for one in found] == [text.partition("=")[0]]
     if "unit" in text:
         assert parse(found[0], ANY).value == pytest.approx(parse(text, ANY).value, rel=1e-6)
+
+
+@pytest.mark.parametrize(("agrees", "ids"), [(True, ["wrong-place:a:far"]), (False, [])])
+def test_a_place_is_wrong_where_what_else_moves_is_as_expected_and_not_by_what_hardly_moves(agrees: bool, ids: list[str]) -> None:
+    """A part twice as heavy moves all that moves; sensors along columns, which read next to nothing, agreed with the model."""
+    rng = np.random.default_rng(1)
+    p = rng.standard_normal((6, 8))
+    p[:, 2:] *= 0.01
+    y = p + 1e-3 * rng.standard_normal(p.shape)
+    y[:, 0] += 0.8 * rng.standard_normal(6)
+    y[:, 1] += 0.0 if agrees else 0.5 * rng.standard_normal(6)
+    size = np.sqrt(np.mean(p**2, axis=1, keepdims=True))
+    far = y[:, :1] / _shared_factor(y / size, p / size).real[:, None]  # as it reads, each mode scaled as all of them are
+    elsewhere = SimpleNamespace(at=lambda offsets, derivatives: SimpleNamespace(rows=np.tile(far, (1, 8))[:, None, :, None]))
+    one = SimpleNamespace(
+        measured=SimpleNamespace(name="table", channels=tuple("abcdefgh")),
+        there=SimpleNamespace(places=("far",)),
+        effects=(),
+        with_effects=lambda effects: (
+            elsewhere
+            if effects[0].named.family == "wrong-place"
+            else SimpleNamespace(at=lambda offsets, derivatives: SimpleNamespace(rows=np.zeros((6, 1, 8, 1))))
+        ),
+    )
+    noise = np.full(p.shape, 0.02)
+    found = _of_channels(one, y.astype(complex), p.astype(complex), noise, noise, {"acceleration": {"m/s^2": 1.0}})  # type: ignore[arg-type]
+    assert [cause.id for cause in found] == ids
 
 
 def test_places_that_read_the_same_are_named_together_and_a_place_near_by_is_told(bracket: Path, tmp_path: Path) -> None:
