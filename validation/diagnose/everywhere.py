@@ -14,7 +14,7 @@ and the best node has to bring more than one that somebody named by as much as t
 Probability, 1961, section 1.6: a law of which one constant is not known).
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -313,9 +313,10 @@ class MeshSearch:
         """
         spread = float(self.plausible(row[None])[kind][0])
         sign = -1 if first < 0 else 1
+        reads = tuple(of(row) for of in self.finite)
 
         def at(octave: float) -> float:
-            return self._at(kind, row, float(sign * spread * np.exp2(octave)), spread)
+            return self._at(kind, reads, float(sign * spread * np.exp2(octave)), spread)
 
         found = sorted((float(octave), at(float(octave))) for octave in octaves)
         for _ in range(nearer):
@@ -370,8 +371,8 @@ class MeshSearch:
         """By test, what is read with a mass or a spring of any size."""
         return tuple(one.finite(self.offsets, left.of.lines) for left, one in self.tests)
 
-    def _at(self, kind: str, row: Array, size: float, spread: float) -> float:
-        """Evidence [nats] of a size."""
+    def _at(self, kind: str, reads: Sequence[Callable[[Array, Array], ComplexArray]], size: float, spread: float) -> float:
+        """Evidence [nats] of a size, by what the tests `reads` of it at a place."""
         mass, spring = np.zeros(3), np.zeros(3)
         if kind == MASS:
             mass[:] = size
@@ -379,9 +380,9 @@ class MeshSearch:
             spring[SPRINGS.index(kind)] = size
         slope = self.tests[0][0].slope
         gain, turned = 0.0, np.zeros_like(slope)
-        for (left, _), read in zip(self.tests, self.finite, strict=True):
+        for (left, _), read in zip(self.tests, reads, strict=True):
             try:
-                predicted = Predicted(rows=read(row, mass, spring), noise=left.of.predicted.noise)
+                predicted = Predicted(rows=read(mass, spring), noise=left.of.predicted.noise)
                 d = left.of.values - likelihood.residual(left.of.seen, predicted, FLOOR)
             except BREAKDOWNS:
                 return -np.inf
