@@ -40,7 +40,7 @@ and tests used and that stand there now; rounded up a little. The last 100 are f
 whole matrices, floors of pick-ups across a drive and articles
 denser than drawn. Decks of Nastran, Abaqus and CalculiX described with materials, sections, masses, links, springs and
 supports are 650 and a file more; what a mesh turns into what, and losses named, the last. A structure condensed over the band of
-a test, by which a fit of response functions asks a quarter of what it did, is 130. The other bars are the same for old and new.
+a test, by which a fit of response functions costs half of what it did, is 130. The other bars are the same for old and new.
 """
 
 
