@@ -14,7 +14,7 @@ and the best node has to bring more than one that somebody named by as much as t
 Probability, 1961, section 1.6: a law of which one constant is not known).
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -312,9 +312,10 @@ class MeshSearch:
         """
         spread = float(self.plausible(row[None])[kind][0])
         sign = -1 if first < 0 else 1
+        reads = tuple(of(row) for of in self.finite)
 
         def at(octave: float) -> float:
-            return self._at(kind, row, float(sign * spread * np.exp2(octave)), spread)
+            return self._at(kind, reads, float(sign * spread * np.exp2(octave)), spread)
 
         found = sorted((float(octave), at(float(octave))) for octave in octaves)
         for _ in range(nearer):
@@ -369,15 +370,15 @@ class MeshSearch:
         """By test, what is read with a mass or a spring of any size."""
         return tuple(one.finite(self.offsets, left.of.lines) for left, one in self.tests)
 
-    def _at(self, kind: str, row: Array, size: float, spread: float) -> float:
-        """Evidence [nats] of a size."""
+    def _at(self, kind: str, reads: Sequence[Callable[[Array, Array], ComplexArray]], size: float, spread: float) -> float:
+        """Evidence [nats] of a size, by what the tests `reads` of it at a place."""
         mass, spring = np.zeros(3), np.zeros(3)
         if kind == MASS:
             mass[:] = size
         else:
             spring[SPRINGS.index(kind)] = size
         try:
-            told = [left.read(read(row, mass, spring)) for (left, _), read in zip(self.tests, self.finite, strict=True)]
+            told = [left.read(read(mass, spring)) for (left, _), read in zip(self.tests, reads, strict=True)]
         except BREAKDOWNS:
             return -np.inf
         gain = fit.gain(told, self.tests[0][0].slope)

@@ -23,14 +23,16 @@ Changed = TypeVar("Changed")
 
 
 class Shares(Mapping[str, Kept]):
-    """Shares by part that are made whenever they are asked for: those of hundreds of parts would fill the memory."""
+    """Shares by part that are made whenever they are read: those of hundreds of parts would fill the memory."""
 
     def __init__(self, names: Iterable[str], made: Callable[[str], Kept]) -> None:
         self._names, self._made = dict.fromkeys(names), made
+        self.read: set[str] = set()
 
     def __getitem__(self, name: str) -> Kept:
         if name not in self._names:
             raise KeyError(name)
+        self.read.add(name)
         return self._made(name)
 
     def __iter__(self) -> Iterator[str]:
@@ -41,7 +43,7 @@ class Shares(Mapping[str, Kept]):
 
 
 def each(shares: Mapping[str, Kept], change: Callable[[Kept], Changed]) -> Mapping[str, Changed]:
-    """`change` of every one of `shares`, made when it is asked for if they are."""
+    """`change` of every one of `shares`, made when it is read if they are."""
     if isinstance(shares, Shares):
         return Shares(shares, lambda name: change(shares[name]))
     return {name: change(share) for name, share in shares.items()}

@@ -418,7 +418,9 @@ def _cheaper(end: End, start: Offsets, tell: Progress) -> End:
         return end
     cost = end.cost.holding({})
     try:
-        free = annealed(replace(cost, free=tuple(replace(one, within=inf) for one in cost.free)), start, tell)
+        # A trial is enough: without bounds some valleys have no end, and what it leads to is brought back within them
+        unbound = replace(cost, free=tuple(replace(one, within=inf) for one in cost.free))
+        free = annealed(unbound, start, tell, most=TRIAL, again=0)
         other = direct(cost, free.offsets, tell)
     except CheckFailed:
         return end

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry.dynamic_mass import MOTIONS, ComplexArray
-from geometry.frames import Array, Pose, frozen, left_jacobian, rigid_transformation_6, rotation_by, skew
+from geometry.frames import Array, Integers, Pose, frozen, left_jacobian, rigid_transformation_6, rotation_by, skew
 from geometry.inertia import PARAMETERS, UNITS, Inertia
 from identification.campaign import Campaign, Excitation, Processing
 from identification.rigid_body import BASIS
@@ -26,7 +26,7 @@ from validation.estimation.problem import IDENTIFIED, Offsets, Parameter, Wanted
 from validation.model.model import Added
 from validation.model.tolerance_classes import MountingTolerances
 from validation.prediction import effects as prediction_effects
-from validation.prediction.effects import Nuisances, Tangent
+from validation.prediction.effects import FIELDS, Nuisances, Tangent
 from validation.prediction.structure import MountedArticle
 
 FEW = 3
@@ -76,8 +76,8 @@ class AttachedResponse:
     spring: ComplexArray
 
 
-Finite = Callable[[Array, Array, Array], ComplexArray]
-"""``read(row, mass, spring)``: what is read (r, m, c, 1) with a mass [kg] and a spring to the ground [N/m] along each axis, (3,)
+Finite = Callable[[Array], Callable[[Array, Array], ComplexArray]]
+"""``at(row)(mass, spring)``: what is read (r, m, c, 1) with a mass [kg] and a spring to the ground [N/m] along each axis, (3,)
 both, at a place that coordinates move by `row` (3, k)."""
 
 
@@ -141,6 +141,99 @@ def accelerance(
         sign=-1.0,
         decay_rate=decay_rate,
     )
+
+
+SAMPLED = 9
+"""[count] of lines over the band at which all coordinates are solved. Held by tests/validation/prediction/test_matrices.py."""
+
+SPANNED = 1e-6
+"""[share] of the largest answer to which those between agree, and two orders below which a direction is rounding. Held by
+tests/validation/prediction/test_matrices.py."""
+
+
+WORTH_CONDENSING = 0.75
+"""[share] of the coordinates above which nothing is condensed: that costs more than it saves. By counting."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Condensed:
+    """A structure on fewer coordinates, by which it answers some loads over a band as it does on all of them.
+
+    Coordinates without a resonance in the band answer smoothly over it, whatever the others do: at a few lines they show all
+    directions in which they ever move, and on these the structure is held against lines between (E. J. Grimme, Krylov projection
+    methods for model reduction, 1997, for the agreement at and between such lines). The others stay as they are.
+
+    Attributes
+    ----------
+    matrices : of which the fields are condensed, and nothing else
+    kept, gone : coordinates that stay, and those in whose place the directions stand behind them
+    directions : (g, w) orthonormal
+    """
+
+    matrices: Matrices
+    kept: Integers
+    gone: Integers
+    directions: Array
+
+    @classmethod
+    def of(cls, matrices: Matrices, at: npt.NDArray[Any], loads: Array, smooth: slice) -> "Condensed | None":
+        """Of `loads` (k, p) at s / i (n,) [rad/s]; None where coordinates other than `smooth` ones are needed to agree, or
+        where nothing is saved.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError : a line lies on an undamped mode.
+        """
+        from scipy.linalg import qr
+
+        everything = np.arange(len(matrices.mass))
+        gone, kept = everything[smooth], np.delete(everything, smooth)
+        if len(at) < 4 * SAMPLED or len(gone) < len(kept):
+            return None
+        # Lines that crowd at the ends, as those between which polynomials agree best
+        some = np.unique(np.round((len(at) - 1) * (1 - np.cos(np.pi * np.arange(SAMPLED) / (SAMPLED - 1))) / 2).astype(np.int64))
+        D = dynamic_matrix(matrices, at[some])
+        own = D[:, gone[:, None], gone]
+        asked = np.concatenate(
+            [-D[:, gone[:, None], kept], np.broadcast_to(loads[gone], (len(some), *loads[gone].shape))], axis=2
+        )
+        answers = np.linalg.solve(own, asked)
+        seen = np.hstack([*answers[::2].real, *answers[::2].imag])
+        Q, R, _ = qr(seen, mode="economic", pivoting=True, check_finite=False)
+        large = np.abs(np.diag(R))
+        W = Q[:, large > 1e-2 * SPANNED * large[0]]
+        if len(kept) + W.shape[1] > len(everything) * WORTH_CONDENSING:
+            return None
+        told = W @ np.linalg.solve(W.T @ own[1::2] @ W, W.T @ asked[1::2])
+        if not np.abs(told - answers[1::2]).max() <= SPANNED * np.abs(answers).max():
+            return None
+        made = cls(matrices=matrices, kept=kept, gone=gone, directions=W)
+        M, K, C, S = (made.of_matrix(getattr(matrices, name), kept, gone, W) for name in FIELDS)
+        return replace(made, matrices=Matrices(base=0, mass=M, stiffness=K, viscous=C, structural=S))
+
+    @staticmethod
+    def of_matrix(matrix: Array, kept: Integers, gone: Integers, W: Array) -> Array:
+        """A symmetric `matrix` whose rows `kept` stay, and whose rows `gone` move by `W`."""
+        across = matrix[kept[:, None], gone] @ W
+        return np.block([[matrix[kept[:, None], kept], across], [across.T, W.T @ matrix[gone[:, None], gone] @ W]])
+
+    def of_rows(self, rows: Array) -> Array:
+        """`rows` (..., k) of what each coordinate moves."""
+        return np.concatenate([rows[..., self.kept], rows[..., self.gone] @ self.directions], axis=-1)
+
+    def of_tangent(self, change: Tangent) -> Tangent:
+        """How the condensed matrices change, the directions held: the answers, which lie in them, say no more."""
+        inside = np.isin(change.at, self.gone)
+        kept, gone = np.flatnonzero(~inside), np.flatnonzero(inside)
+        at = np.searchsorted(self.kept, change.at[kept])
+        if not len(gone):
+            return replace(change, at=at)
+        W = self.directions[np.searchsorted(self.gone, change.at[gone])]
+        fields, still = (getattr(change, name) for name in FIELDS), np.zeros((len(kept) + W.shape[1],) * 2)
+        M, K, C, S = (self.of_matrix(one, kept, gone, W) if one.any() else still for one in fields)
+        crossing = None if change.crossing is None or inside[change.crossing] else int(np.searchsorted(kept, change.crossing))
+        every = np.concatenate([at, len(self.kept) + np.arange(W.shape[1])])
+        return replace(change, at=every, crossing=crossing, mass=M, stiffness=K, viscous=C, structural=S)
 
 
 def along(matrices: Matrices, place: str, direction: npt.ArrayLike) -> Array:

@@ -18,7 +18,7 @@ from geometry.errors import CheckFailed
 from geometry.frames import Array, Integers
 from validation.effects.catalogue import FAMILIES, Named, There, acts, there
 from validation.effects.effect import BODY_STAGE, CHANNEL_STAGE, OPENED, STRUCTURE_STAGE, Family, SizeSpec
-from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicMass
+from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicMass, Shares
 from validation.estimation.problem import DECLARED, EFFECT, STRUCTURAL, WITHIN, Offsets, Parameter, Wanted, is_wanted
 from validation.model.model import Added, StructureTolerances
 from validation.prediction.structure import HIGHEST, ReducedStructure, sheet
@@ -113,15 +113,15 @@ def between(before: Matrices, after: Matrices, step: float) -> Tangent:
     """(after - before) / step."""
     pairs = {name: (getattr(before, name), getattr(after, name)) for name in FIELDS}
     changes = {name: (new - old) / step for name, (old, new) in pairs.items() if new is not old}
-    parts = {name: (share - before.parts[name]) / step for name, share in after.parts.items() if share is not before.parts[name]}
-    return of_arrays(len(before.mass), {name: change for name, change in parts.items() if np.any(change)}, **changes)
+    parts = Shares(after.parts, lambda name: (after.parts[name] - before.parts[name]) / step)
+    return of_arrays(len(before.mass), parts, **changes)
 
 
 def plus(one: Tangent, other: Tangent, size: int) -> Tangent:
-    """The sum of both, on matrices of `size`."""
+    """The sum of both, on matrices of `size`, with the shares of parts of the `other`."""
     some = [name for name in FIELDS if getattr(one, name).any() or getattr(other, name).any()]
     whole = {name: full(one, name, size) + full(other, name, size) for name in some}
-    return of_arrays(size, {**one.parts, **other.parts}, **whole)
+    return of_arrays(size, other.parts, **whole)
 
 
 def full(tangent: Tangent, name: str, size: int) -> Array:
@@ -748,19 +748,25 @@ def structure(
     for added in _of(effects, STRUCTURE_STAGE):
         if not acts(added.named, there("article", stage)):
             continue
-        after, n = _changed(added.named, stage), len(stage.mass)
+        # What an equation reads of no part does not change with it; most add beside the parts, whose shares are made when read
+        drawn = stage.parts
+        parts = Shares(drawn, drawn.__getitem__)
+        stage = replace(stage, parts=parts)
+        after = _changed(added.named, stage)
+        read, n = frozenset(parts.read), len(stage.mass)
         counts = [np.count_nonzero(one.structural) for one in (stage, after)]
         lossy = counts[0] != counts[1] or not np.array_equal(after.structural[:n, :n], stage.structural)
-        for key, tangent in found.items() if not _is_nothing(added.named) else ():
-            if tangent.parts:  # behind the equation: as it is, and what the equation reads of the parts that it changes
-                parts = {**stage.parts, **{part: stage.parts[part] + change for part, change in tangent.parts.items()}}
-                read = between(after, _changed(added.named, replace(stage, parts=parts)), 1.0)
-                found[key] = plus(replace(tangent, parts={}), read, len(after.mass))
+        for key, tangent in found.items() if read and not _is_nothing(added.named) else ():
+            if met := read & {*tangent.parts}:  # as it is, and what the equation reads of the parts that it changes
+                changed = {part: tangent.parts[part] for part in met}
+                moved = {part: drawn[part] + np.pad(one, (0, n - len(one))) for part, one in changed.items()}
+                told = between(after, _changed(added.named, replace(stage, parts={**drawn, **moved})), 1.0)
+                found[key] = plus(tangent, told, len(after.mass))
             elif tangent.lossier is not None and lossy:
                 root = np.exp(COARSE / 2 * (np.arange(len(stage.lossier)) == tangent.lossier))
                 below, above = (_changed(added.named, replace(stage, lossier=stage.lossier * side)) for side in (1 / root, root))
-                read = between(below, above, 2 * COARSE)
-                found[key] = replace(plus(tangent, read, len(after.mass)), lossier=tangent.lossier)
+                lost = between(below, above, 2 * COARSE)
+                found[key] = replace(plus(tangent, lost, len(after.mass)), lossier=tangent.lossier, parts=tangent.parts)
         for size in _free(added):
             if not is_wanted(name(added.named, size.key), derivatives):
                 continue

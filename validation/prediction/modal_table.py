@@ -16,7 +16,7 @@ zeta_i = phi_i^T (omega_i C + S) phi_i / (2 omega_i²).
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Self
@@ -302,18 +302,22 @@ class _TablePart(ABC):
         known = {**offsets, **self._opened[1]}
         modes, _, _, effects = self.found(known, derivatives=False)
 
-        def read(row: Array, mass: Array, spring: Array) -> ComplexArray:
+        def at(row: Array) -> Callable[[Array, Array], ComplexArray]:
             own = np.pad(row, ((0, 0), (0, len(modes.squares) - row.shape[1])))
-            whole = modes.matrices
-            M, K = whole.mass + (own.T * mass) @ own, whole.stiffness + (own.T * spring) @ own
-            key, last = (id(whole), id(self.table), K.tobytes(), M.tobytes()), self.structure.last
-            if last.get("attached") != key:  # frequencies and shapes ask one after the other
-                there = real_modes(replace(whole, mass=M, stiffness=K))
-                last |= {"attached": key, "of": whole, "modes": (there, partners(there, self.table))}
-            there, every = last["modes"]
-            return self._modes_read(there, [every[k] for k in self.modes], known, effects)
 
-        return read
+            def read(mass: Array, spring: Array) -> ComplexArray:
+                whole = modes.matrices
+                M, K = whole.mass + (own.T * mass) @ own, whole.stiffness + (own.T * spring) @ own
+                key, last = (id(whole), id(self.table), K.tobytes(), M.tobytes()), self.structure.last
+                if last.get("attached") != key:  # frequencies and shapes ask one after the other
+                    there = real_modes(replace(whole, mass=M, stiffness=K))
+                    last |= {"attached": key, "of": whole, "modes": (there, partners(there, self.table))}
+                there, every = last["modes"]
+                return self._modes_read(there, [every[k] for k in self.modes], known, effects)
+
+            return read
+
+        return at
 
     @abstractmethod
     def _modes_read(self, modes: RealModes, of: Sequence[int], offsets: Offsets, effects: Sequence[Added]) -> ComplexArray:

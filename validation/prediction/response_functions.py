@@ -10,7 +10,7 @@ of a dynamic mass is here, and an effect on one has no meaning. A structure may 
 coordinates move.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil, inf, isfinite
@@ -165,21 +165,28 @@ class ResponseFunctionTest:
         effects = tuple(replace(one, fixed=True) for one in prediction_effects.at(self.effects, known))
         matrices, answered, factor = self._answered(known, f, effects)
         whole = np.linalg.inv(dynamic_mass.dynamic_matrix(matrices, dynamic_mass.turning(f, self.decay_rate)))
+        of_places = np.ascontiguousarray(whole.swapaxes(0, 1)).view(np.float64)  # real rows by real columns
         gains, delays = self._chain(known)
 
-        def read(row: Array, mass: Array, spring: Array) -> ComplexArray:
-            axes = np.flatnonzero((mass != 0) | (spring != 0))
-            added = mass[axes] - spring[axes] / answered.omega[:, None] ** 2
-            own = row[axes]
-            left, right = (
-                np.tensordot(own, side[: own.shape[1]], axes=1).transpose(1, 0, 2) for side in (answered.left, answered.right)
-            )
-            there = own @ whole[:, : own.shape[1], : own.shape[1]] @ own.T + np.eye(len(axes)) / added[:, None, :]
-            A = answered.matrix - left.transpose(0, 2, 1) @ np.linalg.solve(there, right)
-            made = [self._read(f, factor * A[:, :, run, None], {}, gains, delays, effects, False)[0] for run in range(A.shape[2])]
-            return np.stack(made)
+        def at(row: Array) -> Callable[[Array, Array], ComplexArray]:
+            moved = np.tensordot(row, of_places[: row.shape[1]], axes=1).view(np.complex128)[:, :, : row.shape[1]]
+            own = (moved @ row.T).swapaxes(0, 1)
+            sides = (np.tensordot(row, side[: row.shape[1]], axes=1) for side in (answered.left, answered.right))
+            left, right = (side.transpose(1, 0, 2) for side in sides)
 
-        return read
+            def read(mass: Array, spring: Array) -> ComplexArray:
+                axes = np.flatnonzero((mass != 0) | (spring != 0))
+                added = mass[axes] - spring[axes] / answered.omega[:, None] ** 2
+                there = own[:, axes[:, None], axes] + np.eye(len(axes)) / added[:, None, :]
+                A = answered.matrix - left[:, axes].transpose(0, 2, 1) @ np.linalg.solve(there, right[:, axes])
+                made = [
+                    self._read(f, factor * A[:, :, run, None], {}, gains, delays, effects, False) for run in range(A.shape[2])
+                ]
+                return np.stack([rows for rows, _ in made])
+
+            return read
+
+        return at
 
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets` and the lines with these indices; all lines by default.
@@ -274,16 +281,21 @@ class ResponseFunctionTest:
         roves = TRANSDUCER in self._asked
         ways = [dynamic_mass.along(matrices, one.place, axis) for one in self.responses if roves for axis in np.eye(3)]
         rows, forces = (np.vstack([one, *ways]) if ways else one for one in (of_responses.values, of_drives.values))
+        condensed = self._condensed(matrices, dynamic_mass.turning(f, decay), np.vstack([rows, forces]).T)
+        if condensed is not None:
+            matrices = condensed.matrices
+            tangents = {name: condensed.of_tangent(change) for name, change in tangents.items()}
+            rows, forces = condensed.of_rows(rows), condensed.of_rows(forces)
         answered = dynamic_mass.accelerance(matrices, f, rows, forces, decay_rate=decay)
         T = answered.matrix
         dT = dynamic_mass.transfer_tangents(answered, tangents) if derivatives else {}
         left, right = answered.left.transpose(1, 2, 0), answered.right.transpose(1, 2, 0)  # (n, c, k), (n, r, k)
         for name, (at, row) in of_responses.changes.items() if derivatives else ():
             dT[name] = np.zeros_like(T)
-            dT[name][:, at] = right @ row
+            dT[name][:, at] = right @ (row if condensed is None else condensed.of_rows(row))
         for name, (at, row) in of_drives.changes.items() if derivatives else ():
             dT[name] = np.zeros_like(T)
-            dT[name][:, :, at] = left @ row
+            dT[name][:, :, at] = left @ (row if condensed is None else condensed.of_rows(row))
         omega, power = answered.omega[:, None, None], POWERS[self.quantity]
         softer = self._softer(answered.omega, offsets)
         T[:, :c, :r] += softer
@@ -304,6 +316,12 @@ class ResponseFunctionTest:
             dA = {}
         factor = (1j * omega) ** -power
         return _by_run(factor * A), {name: _by_run(factor * change) for name, change in dA.items()}
+
+    def _condensed(self, matrices: Matrices, at: npt.NDArray[np.complex128], loads: Array) -> dynamic_mass.Condensed | None:
+        """`matrices` without what answers the loads of this test smoothly: all beside the modes and what effects append."""
+        nominal = self.structure.nominal
+        smooth = slice(nominal.base + len(self.structure.frequency), len(nominal.mass))
+        return dynamic_mass.Condensed.of(matrices, at, loads, smooth)
 
     def _read(
         self,

@@ -98,7 +98,7 @@ def test_one_solution_says_of_a_node_what_the_effect_there_does_to_first_order_a
     found = attached.readings[..., 0, 2] * attached.spring[..., None] if spring else attached.readings[..., 0, :].sum(axis=-1)
     assert np.abs(found - slope[..., 0]).max() < 1e-2 * np.abs(slope).max()  # the node has no static answer of its own in `test`
     axis = np.array([0.0, 0.0, 1.0])
-    read = test.finite({}, lines)(row, *((0 * axis, size * axis) if spring else (np.full(3, size), 0 * axis)))
+    read = test.finite({}, lines)(row)(*((0 * axis, size * axis) if spring else (np.full(3, size), 0 * axis)))
     assert np.abs(read - far).max() < 0.02 * np.abs(far).max()
 
 

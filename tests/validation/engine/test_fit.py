@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput, CheckFailed
+from validation.estimation import fit as fit_module
 from validation.estimation.fit import FLOOR, PLAIN_FLOOR, annealed, direct, fit, parents_point, start
 from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import (
@@ -119,6 +120,21 @@ def test_a_plain_fit_at_bounds_is_as_cheap_as_any_feasible_beginning_leads_to(la
         cost = cost_of(problem, problem.free(PLAIN), PLAIN_FLOOR, plain=True)
         end = direct(cost, start, lambda share: None)
         assert found.cost < end.whole.cost + 1.0
+
+
+def test_without_bounds_a_plain_fit_goes_no_farther_than_a_trial_before_it_is_brought_back(lab, monkeypatch):
+    """Such a way may follow a valley without an end, of which nothing is left but where to begin within the bounds."""
+    problem, ways, descend = Problem((lab.toy({"damping": 1.4, "frequency:one": 0.3}, seed=None),)), [], fit_module.descent
+
+    def counted(cost, offsets, **options):
+        ways.append((any(one.kind == DECLARED and np.isfinite(one.within) for one in cost.free), options["most"]))
+        return descend(cost, offsets, **options)
+
+    monkeypatch.setattr(fit_module, "descent", counted)
+    fit(problem, PLAIN)
+    without = [most for bounded, most in ways if not bounded]
+    assert 0 < len(without) <= len(fit_module.COARSE) + len(fit_module.FINE) + 1
+    assert max(without) <= fit_module.TRIAL
 
 
 def test_tolerances_of_the_measurement_are_released_when_the_rest_is_near(lab):

@@ -330,3 +330,20 @@ def test_a_tolerance_that_becomes_an_effect_gets_the_bounds_of_its_family():
     assert declared.bounds(plain=True) == (-0.0625, 0.0625)
     assert declared.bounds(plain=False) == (-np.inf, np.inf)
     assert one.kind in PLAIN
+
+
+def test_an_equation_is_asked_again_by_parameters_of_those_parts_alone_that_it_reads(monkeypatch):
+    of, asked, changed = model("clumod-1", None).of, list[str](), prediction_effects._changed
+    matrices, tangents = of.at({})
+    assert sum(bool(one.parts) or one.lossier is not None for one in tangents.values()) == 6
+
+    def counted(named, stage):
+        asked.append(named.family)
+        return changed(named, stage)
+
+    monkeypatch.setattr(prediction_effects, "_changed", counted)
+    effects = added("absorber:hub-1=m:0.2,f:15,zeta:0.02", "structural-damping:mast=0.05")
+    _, found = prediction_effects.structure(matrices, tangents, effects)
+    assert asked.count("absorber") == 1 + 2 * 3  # by itself, and to both sides of its three sizes
+    _, alone = prediction_effects.structure(matrices, tangents, effects[1:])
+    np.testing.assert_allclose(found["modulus:mast"].structural, alone["modulus:mast"].structural, rtol=1e-12)

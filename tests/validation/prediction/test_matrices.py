@@ -284,3 +284,31 @@ def test_tangents_add_on_the_coordinates_of_both():
     assert list(both.at) == [1, 2, 8]
     for name in FIELDS:
         np.testing.assert_allclose(full(both, name, SIZE), full(one, name, SIZE) + full(other, name, SIZE))
+
+
+SWAYS = slice(30, None)
+"""Coordinates of a held structure behind its thirty modes: what the others answer statically."""
+
+
+def test_what_answers_smoothly_over_a_band_is_condensed_and_neither_answers_nor_derivatives_change():
+    m = prediction_structure.held(structure("clumod-4"), modes("clumod-4", LOSSES), locations("clumod-4"))
+    rows = np.array([dynamic_mass.along(m, place, [1.0, 0.0, 0.0]) for place in ("mast-top", "hub-1")])
+    few = dynamic_mass.Condensed.of(m, 2 * np.pi * LINES, rows.T, SWAYS)
+    assert few is not None
+    assert len(few.matrices.mass) < 0.75 * len(m.mass)
+    part = of_arrays(len(m.mass), stiffness=m.parts["mast"], structural=0.1 * m.parts["mast"])
+    mode = crossed(3, stiffness=m.stiffness[3], structural=m.structural[3])
+    answered = dynamic_mass.accelerance(m, LINES, rows, rows[0])
+    condensed = dynamic_mass.accelerance(few.matrices, LINES, few.of_rows(rows), few.of_rows(rows[0]))
+    np.testing.assert_allclose(condensed.matrix, answered.matrix, rtol=0, atol=1e-10 * np.abs(answered.matrix).max())
+    due = dynamic_mass.transfer_tangents(answered, {"part": part, "mode": mode})
+    found = dynamic_mass.transfer_tangents(condensed, {"part": few.of_tangent(part), "mode": few.of_tangent(mode)})
+    for name, change in due.items():
+        np.testing.assert_allclose(found[name], change, rtol=0, atol=dynamic_mass.SPANNED * np.abs(change).max())
+
+
+def test_nothing_is_condensed_that_resounds_in_the_band_nor_where_few_lines_are_asked():
+    m = prediction_structure.held(structure("clumod-4"), modes("clumod-4", LOSSES), locations("clumod-4"))
+    loads = dynamic_mass.along(m, "mast-top", [1.0, 0.0, 0.0])[:, None]
+    assert dynamic_mass.Condensed.of(m, 2 * np.pi * LINES, loads, slice(0, None)) is None
+    assert dynamic_mass.Condensed.of(m, 2 * np.pi * LINES[:20], loads, SWAYS) is None

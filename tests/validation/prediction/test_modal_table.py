@@ -255,7 +255,7 @@ def test_frequencies_and_shapes_ask_the_modes_of_a_mass_somewhere_once(monkeypat
     solved = modal_table.real_modes
     monkeypatch.setattr(modal_table, "real_modes", lambda matrices: asked.append(matrices) or solved(matrices))
     row = nominal.nominal.places["mass-3"]
-    found = [one(row, np.full(3, 0.5), np.zeros(3)) for one in read]
+    found = [one(row)(np.full(3, 0.5), np.zeros(3)) for one in read]
     assert len(asked) == 1
     other = modal_table.of(chain(point=(2, 0.5)), table(nominal))
     for one, due in zip(found, other, strict=True):

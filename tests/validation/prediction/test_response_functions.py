@@ -255,7 +255,7 @@ def test_solids_give_where_a_force_acts_on_a_point_of_them_by_what_their_mesh_le
     assert_allclose(moved - still, -((2 * np.pi * F[:, None]) ** 2) * 0.3 * np.array(softer), rtol=1e-6)
     every = np.arange(len(F))
     here = np.vstack([there["c"][:1], np.zeros((2, 3))])
-    nothing = test.finite({own.name: 0.3}, every)(here, np.array([1e-9, 0.0, 0.0]), np.zeros(3))
+    nothing = test.finite({own.name: 0.3}, every)(here)(np.array([1e-9, 0.0, 0.0]), np.zeros(3))
     assert_allclose(nothing[1, ..., 0], moved, rtol=0, atol=1e-6 * np.abs(moved).max())
     change = test.at({}).changes[own.name].rows[1, ..., 0]
     assert_allclose(change, (moved - still) / 0.3, rtol=1e-6)
