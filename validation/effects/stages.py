@@ -41,6 +41,9 @@ class Shares(Mapping[str, Kept]):
     def __len__(self) -> int:
         return len(self._names)
 
+    def __or__(self, other: Mapping[str, Kept]) -> dict[str, Kept]:
+        return {**self, **other}
+
 
 def each(shares: Mapping[str, Kept], change: Callable[[Kept], Changed]) -> Mapping[str, Changed]:
     """`change` of every one of `shares`, made when it is read if they are."""

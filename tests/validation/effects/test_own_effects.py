@@ -16,7 +16,7 @@ from validation.cli import main
 from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, SOURCES, parse
 from validation.effects.effect import Family, SizeSpec
-from validation.effects.stages import ChannelResponse
+from validation.effects.stages import ChannelResponse, Shares
 from validation.virtual_test.planted import planted
 
 WHOLE = """
@@ -255,3 +255,7 @@ def test_a_broken_folder_ends_with_2_and_no_traceback(folder, massline, root, co
     assert run.returncode == main.BAD_INPUT
     assert "line 2, `x = 1 / 0`, raised ZeroDivisionError" in run.stderr
     assert "Traceback" not in run.stderr
+
+
+def test_shares_of_parts_are_joined_with_others_as_tables_are():
+    assert Shares(["mast", "hub"], lambda part: f"drawn {part}") | {"hub": "mine"} == {"mast": "drawn mast", "hub": "mine"}
