@@ -303,8 +303,10 @@ class AnySize:
     @classmethod
     def of(cls, there: Candidate, added: Added) -> "AnySize | None":
         """Of an effect of `there`, from where its fit ended; None of one that a straight line follows."""
+        if added.fixed or added.named.family not in SPRINGS:
+            return None
         name = next(iter(names_of(there.problem, added.named)), "")
-        if added.fixed or added.named.family not in SPRINGS or name not in (known := in_the_fit(there.fit)):
+        if name not in (known := in_the_fit(there.fit)):
             return None
         parameter = next(one for one in there.fit.parameters if one.name == name)
         offsets = {**there.problem.start, **there.fit.by_name}

@@ -430,7 +430,7 @@ def as_cause(added: Added, of: diagnosis.Candidate, evidence: float, stands: Goo
             if (any_size := candidates.AnySize.of(of, added)) is not None:
                 x, *ends = any_size.interval()
                 value = min(max(one.value(x), size.low), size.high)
-            low, high = (min(max(one.value(end), size.low), size.high) for end in sorted(ends))
+            low, high = sorted(min(max(one.value(end), size.low), size.high) for end in ends)
         sizes.append(diagnosis.EffectEstimate(key=size.key, value=value, unit=size.unit, low=low, high=high))
     return diagnosis.Cause(
         named=added.named,

@@ -99,11 +99,11 @@ def test_a_tolerance_that_moves_farther_than_chance_would_is_told_where_it_has_n
 
 
 def test_a_size_is_what_the_data_say_however_much_smaller_a_fault_plausibly_is():
-    """A joint eight times as soft as is plausible, which the data tell to 9 %: with what is plausible it would read 33 % less."""
-    named, told, sd, plausible = parse("joint-compliance:lateral=5e-8"), 8e-8, 0.7e-8, 1e-8
+    """A mass eight times what is plausible, which the data tell to 9 %: with what is plausible it would read 33 % less."""
+    named, told, sd, plausible = parse("point-mass:hub-2=0.05"), 0.08, 0.007, 0.01
     variance = 1 / (sd**-2 + plausible**-2)
-    joint = Parameter(name=named.id, unit="m/N", kind=EFFECT, tolerance=plausible)
-    fit = SimpleNamespace(parameters=(joint,), offsets=np.array([told * variance / sd**2]), covariance=np.array([[variance]]))
+    mass = Parameter(name=named.id, unit="kg", kind=EFFECT, tolerance=plausible)
+    fit = SimpleNamespace(parameters=(mass,), offsets=np.array([told * variance / sd**2]), covariance=np.array([[variance]]))
     stands: Any = SimpleNamespace(misfit=0.9, prior_penalty=0.5, null=True)
     candidate: Any = SimpleNamespace(fit=fit)
     (size,) = diagnose.as_cause(Added(named=named), candidate, 20.0, stands).sizes
