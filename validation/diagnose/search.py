@@ -260,10 +260,11 @@ def _declared(problem: Problem, fit: Fit) -> dict[str, float]:
 
 
 def sizes(of: Parameter) -> Array:
-    """Offsets of `of` at which an effect is looked at, (n,), none outside its bounds."""
+    """Offsets of `of` at which an effect is looked at, (n,), none outside its bounds; half of these where they are nearer than all."""
     steps = of.tolerance * np.exp2(SIZE_OCTAVES)
     both = np.concatenate([-steps[::-1], steps])
-    return both[(both > of.low) & (both < of.high)]
+    inside = both[(both > of.low) & (both < of.high)]
+    return inside if len(inside) else 0.5 * np.array([of.low, of.high])
 
 
 SAME_NATS = 0.05

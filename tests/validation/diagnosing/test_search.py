@@ -572,6 +572,8 @@ def test_sizes_grow_by_half_octaves_about_what_is_plausible_within_bounds():
     assert found[found < 0].min() > -0.5
     sided = search.sizes(replace(one, low=0.0, high=4e-6, tolerance=1e-6))
     assert 0 < sided.min() < sided.max() < 4e-6
+    # What little may be taken off is nearer than all of them, and was nothing to look at: an empty list ended a diagnosis
+    assert search.sizes(replace(one, low=-1e-3, high=2e-3)).tolist() == [-5e-4, 1e-3]
 
 
 @pytest.mark.parametrize(
