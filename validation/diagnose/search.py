@@ -260,7 +260,7 @@ def _declared(problem: Problem, fit: Fit) -> dict[str, float]:
 
 
 def sizes(of: Parameter) -> Array:
-    """Offsets of `of` at which an effect is looked at, (n,), none outside its bounds; half of these where they are nearer than all."""
+    """Offsets of `of` at which an effect is looked at, (n,), none outside its bounds; else half of these."""
     steps = of.tolerance * np.exp2(SIZE_OCTAVES)
     both = np.concatenate([-steps[::-1], steps])
     inside = both[(both > of.low) & (both < of.high)]
