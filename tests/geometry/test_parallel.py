@@ -87,7 +87,8 @@ def test_an_interruption_keeps_what_was_handed_out_and_leaves_no_process(work, t
     script = tmp_path / "script.py"
     script.write_text(
         f"""
-import sys
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a suite in the background of a shell ignores it, and so would this
 sys.path.insert(0, {str(Path(work.__file__).parent)!r})
 import work_of_a_test
 from geometry.parallel import finished
