@@ -19,7 +19,7 @@ from identification.quality import NORMAL_90
 from validation.diagnose import pendulum
 from validation.diagnose.classical import pendulum_candidates
 from validation.diagnose.diagnosis import Candidate, Detectable, Screened
-from validation.diagnose.unexplained_fit import Swallowing, swallowing
+from validation.diagnose.unexplained_fit import Answers, Swallowing, gain, swallowing
 from validation.effects import effect
 from validation.effects.catalogue import FAMILIES, Named, acts
 from validation.estimation.fit import BREAKDOWNS, FLOOR
@@ -312,20 +312,21 @@ class AnySize:
         offsets = {**there.problem.start, **there.fit.by_name}
         return cls(told=known[name], parameter=parameter, problem=there.problem, offsets=offsets, tests=swallowing(there))
 
-    def _read(self, offset: float) -> tuple[Array, Array, float, float]:
-        """Slope, and what a size that is `offset` away does along the root, both but for itself; its score and its square."""
+    def _read(self, offset: float) -> tuple[Array, Answers]:
+        """Slope, and how all data sets answer to a size that is `offset` away, both but for itself."""
         by_name = {one.measured.name: one for one in self.problem.predictions}
         there = {**self.offsets, self.told.name: self.offsets.get(self.told.name, 0.0) + offset}
         told = [one.read(by_name[one.of.name].at(there, one.of.lines, derivatives=False).rows) for one in self.tests]
         slope, swallowed = self.tests[0].slope, np.sum([one.swallowed for one in told], axis=0)
         for own in [one.root[one.names.index(self.told.name)] for one in self.tests if self.told.name in one.names][:1]:
             slope, swallowed = (each - own * float(own @ each) / float(own @ own) for each in (slope, swallowed))
-        return slope, swallowed, *(float(sum(getattr(one, what) for one in told)) for what in ("score", "own"))
+        score, own = (np.sum([getattr(one, what) for one in told]) for what in ("score", "own"))
+        return slope, Answers(score=score, own=own, swallowed=swallowed)
 
     def at(self, offset: float) -> ScoreTest:
         """What they say of a size of `offset`."""
-        _, swallowed, _, own = self._read(offset)
-        return replace(self.told, information=max(own - float(swallowed @ swallowed), 0.0) / offset**2)
+        _, of = self._read(offset)
+        return replace(self.told, information=max(float(of.own - of.swallowed @ of.swallowed), 0.0) / offset**2)
 
     def interval(self) -> tuple[float, float, float]:
         """The offset that the data alone say, and the ends of its interval of 90 %: bounds where no data end it."""
@@ -349,10 +350,10 @@ class AnySize:
     def _gained(self, offset: float) -> float:
         """[nats] By the data alone, of a size that is `offset` away."""
         try:
-            slope, swallowed, score, own = self._read(offset)
+            slope, answers = self._read(offset)
         except BREAKDOWNS:
             return -np.inf
-        return score - 0.5 * own + float(slope @ swallowed + 0.5 * swallowed @ swallowed)
+        return gain([answers], slope)
 
     def detectable(self, plausible: float, evidence: float, side: int = 1) -> float:
         """As `ScoreTest.detectable`, of the size that it tells, to that `side`; infinite where none that is allowed does."""

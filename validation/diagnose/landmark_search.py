@@ -14,6 +14,7 @@ from geometry.frames import Array
 from identification.quality import NORMAL_90
 from validation.diagnose.candidates import has_lines, is_resonator
 from validation.diagnose.diagnosis import EffectEstimate
+from validation.diagnose.search import sizes
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS, STRUCTURE, evidence_threshold
 from validation.estimation.fit import BREAKDOWNS, COARSE, nearby
@@ -207,9 +208,7 @@ class DistantView:
             moved = (self.residual((*at.effects, there(step)[1])) - here) / step
             square = float(moved @ moved)
             return there(float(np.clip(-moved @ here / square, low, high)) if square > 0 else step)
-        steps = free.tolerance * np.exp2(OCTAVES)
-        looked = [float(x) for x in (*-steps[::-1], *steps) if low < x < high] or [low / 2, high / 2]
-        return min((there(x) for x in looked), key=lambda each: each[0])
+        return min((there(float(x)) for x in sizes(free, OCTAVES)), key=lambda each: each[0])
 
     def groups(self, menu: Sequence[Added]) -> list[list[Added]]:
         """Those of `menu` that have one free size and move the landmarks, the alike together."""

@@ -259,9 +259,9 @@ def _declared(problem: Problem, fit: Fit) -> dict[str, float]:
     return {one.name: one.start for one in problem.parameters} | found
 
 
-def sizes(of: Parameter) -> Array:
+def sizes(of: Parameter, octaves: Array = SIZE_OCTAVES) -> Array:
     """Offsets of `of` at which an effect is looked at, (n,), none outside its bounds; else half of these."""
-    steps = of.tolerance * np.exp2(SIZE_OCTAVES)
+    steps = of.tolerance * np.exp2(octaves)
     both = np.concatenate([-steps[::-1], steps])
     inside = both[(both > of.low) & (both < of.high)]
     return inside if len(inside) else 0.5 * np.array([of.low, of.high])

@@ -139,8 +139,10 @@ def largest_z(of: Fit) -> float:
 
 def costly(z2: float, expected: float, largest: float) -> bool:
     """Whether a sum `z2` of z², where about `expected` is due, is more than chance, or the `largest` z of one tolerance is."""
-    if largest >= ABSURD or z2 <= max(expected, 1.0):  # what is due or less is never unlikely
-        return largest >= ABSURD
+    if largest >= ABSURD:
+        return True
+    if z2 <= max(expected, 1.0):  # what is due or less is never unlikely
+        return False
     from scipy.special import chdtrc
 
     return bool(chdtrc(max(expected, 1.0), z2) < UNLIKELY)

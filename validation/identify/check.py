@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from geometry.errors import BadInput
 from geometry.frames import Array
@@ -15,9 +15,6 @@ from identification.campaign_file import Progress, examine
 from identification.consistency import of_spectra
 from identification.spectra.of_campaign import spectra
 from validation.output import derived, entry, unwritten
-
-if TYPE_CHECKING:
-    pass
 
 LOUD = 1.5
 """How far above its stated noise floor a channel may read while nothing moves; beyond, it is said aloud."""

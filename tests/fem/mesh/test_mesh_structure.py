@@ -34,6 +34,14 @@ def chain(n: int = 4, length: float = 1.0) -> str:
 HALVES = f"[fe_model.parts.left]\n{STEEL}\n{BEAM}\n[fe_model.parts.right]\n{STEEL}\n{BEAM}\n"
 
 
+PAD = """
+[fe_model.springs.pad]
+at = "tip"
+stiffness = ["1e6 N/m", "1e6 N/m", "1e6 N/m", "1e2 N m/rad", "1e2 N m/rad", "1e2 N m/rad"]
+loss_factor = 0.1
+"""
+
+
 def flexibility(structure: Structure, place: str) -> np.ndarray:
     """What unit forces along x, y, z at a place move there, base or ground held."""
     held = hold(structure)
@@ -42,11 +50,7 @@ def flexibility(structure: Structure, place: str) -> np.ndarray:
 
 
 def test_parts_add_up_to_the_whole_with_masses_springs_and_joints(meshed: Meshed) -> None:
-    more = """
-        [fe_model.springs.pad]
-        at = "tip"
-        stiffness = ["1e6 N/m", "1e6 N/m", "1e6 N/m", "1e2 N m/rad", "1e2 N m/rad", "1e2 N m/rad"]
-        loss_factor = 0.1
+    more = f"""{PAD}
         [fe_model.joints.bolt]
         between = ["left", "right"]
         at = ["0.5 m", "0 m", "0 m"]
@@ -337,14 +341,8 @@ def test_a_support_that_is_named_twice_is_refused(tmp_path: Path, lines: str, wo
 
 def test_a_part_without_a_loss_beside_others_that_state_one_is_named(meshed: Meshed) -> None:
     """A spring's loss alone leaves every mode of the beam with a hundredth of a per cent and less."""
-    spring = """
-        [fe_model.springs.pad]
-        at = "tip"
-        stiffness = ["1e6 N/m", "1e6 N/m", "1e6 N/m", "1e2 N m/rad", "1e2 N m/rad", "1e2 N m/rad"]
-        loss_factor = 0.1
-    """
     first, second = HALVES.split("[fe_model.parts.right]")
     for parts, silent in ((HALVES, ["left", "right"]), (f"{first}loss_factor = 0\n[fe_model.parts.right]{second}", ["right"])):
-        structure = meshed(chain(), parts, support='support = "ground"\ninterface = ["root"]', more=spring)
+        structure = meshed(chain(), parts, support='support = "ground"\ninterface = ["root"]', more=PAD)
         assert [one.where for one in lossless(structure)] == silent
     assert lossless(meshed(chain(), HALVES, support='support = "ground"\ninterface = ["root"]')) == []
