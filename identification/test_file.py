@@ -47,7 +47,7 @@ def tables(path: str | Path, article: str) -> tuple[Mapping[str, Any], ...]:
 
     Parameters
     ----------
-    article : of what a universal file is, which does not say so
+    article : of which a test is that does not say so
 
     Raises
     ------
@@ -56,7 +56,7 @@ def tables(path: str | Path, article: str) -> tuple[Mapping[str, Any], ...]:
     """
     path = Path(path)
     if path.suffix.lower() in (".toml", ".json"):
-        return (_described(path),)
+        return ({"article": article, **_described(path)},)
     if not uff.is_universal(path):
         toml_file.require_no_other(path)
         remedy = 'Describe the test: kind = "response-functions" or "modal-table", article, file and places; docs/model-file.md'

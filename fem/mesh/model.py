@@ -14,6 +14,7 @@ from fem.mesh.places import LINE, Block, Elements, beam_axes, fitted
 from fem.solid import assembly, tetrahedra
 from fem.structure import Sparse, Structure
 from fem.user_model import description as text
+from fem.user_model import frame
 from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers, rigid_transformation_6
@@ -100,7 +101,7 @@ def structure(found: described.MeshDescription, mesh: files.MeshFile) -> Structu
             "units", problem, f"In {' or '.join(fitting)} it would be of ordinary size" if fitting else "Check the mesh"
         )
     _require_sound(found, points, blocks)
-    elements = _numbered(found, mesh.source, points, tags, blocks, sets)
+    elements, linked = _numbered(found, mesh.source, points, tags, blocks, sets)
     stiffness, mass, sections = _assembled(elements)
     made = _Made(found=found, elements=elements, sets=sets)
     supports, joints = list[str](), list[str]()
@@ -112,13 +113,19 @@ def structure(found: described.MeshDescription, mesh: files.MeshFile) -> Structu
     for name, joint in found.joints.items():
         stiffness[_new(found, name, stiffness, "joints")] = _spring(made.across(name, joint, cuts.get(name)), joint.stiffness)
         joints.append(name)
+    where = _own(elements)
+    stiff = frame.STIFF * np.where(where >= 0, _sum(stiffness).diagonal()[where], 0.0)
+    for name, (one, other) in linked.items():
+        largest = np.maximum(stiff[one], stiff[other]).reshape(2, 3).max(axis=1)  # one node of solids turns nothing
+        R = elements.node(one) - elements.node(other)
+        stiffness[_new(found, name, stiffness, "links")] = _spring(R, np.repeat(largest, 3))
+        joints.append(name)
     for name, body in found.masses.items():
         R = made.motion(body.at, f"masses.{name}")
         mass[_new(found, name, mass, "masses")] = _symmetric(R.T @ body.inertia.mass_matrix @ R)
     K, M = _sum(stiffness), _sum(mass)
     parts = {name: share for name, share in stiffness.items() if name not in found.parts}
-    made.require_joined(parts, tuple(supports))
-    where = _own(elements)
+    made.require_joined(parts, tuple(supports), list(linked.values()))
     turning = where[:, :3].min(axis=1) >= 0
     finished = Structure(
         stiffness=K,
@@ -323,12 +330,13 @@ def _numbered(
     tags: Integers,
     blocks: tuple[Block, ...],
     sets: dict[str, Integers],
-) -> Elements:
+) -> tuple[Elements, dict[str, tuple[int, int]]]:
+    """The elements, and by name the joints of links: two nodes at one place each, the link's own and what its part rides on."""
     from scipy.sparse import coo_array, eye_array
 
-    own, links = len(points), found.riding
-    points = np.vstack([points, *(np.array([link.at]) for link in links.values())])
-    tags = np.append(tags, np.zeros(len(links), dtype=np.intp))
+    own, carriers = len(points), list(_carriers(found, tags, blocks, sets))
+    points = np.vstack([points, *(np.array([found.links[one.link].at]) for one in carriers)])
+    tags = np.append(tags, np.zeros(len(carriers), dtype=np.intp))
     turning = np.zeros(len(points), dtype=bool)
     turning[own:] = True
     for block in blocks:
@@ -342,19 +350,22 @@ def _numbered(
         raise found.refused("file", problem, "Write a coarser mesh")
     keep = np.ones(size, dtype=np.bool_)
     rows, columns, values = [], [], []
-    for carrier, (name, link) in enumerate(links.items(), start=own):
-        riders = _chosen(found, sets, tags, link.nodes, f"links.{name}.nodes")
-        for rider in riders.tolist():
+    joints: dict[str, tuple[int, int]] = {}
+    for carrier, one in enumerate(carriers, start=own):
+        for rider in one.riders.tolist():
             ridden = first[rider] + np.arange(count[rider])
             if not keep[ridden].all():
                 problem = f"node {tags[rider]} rides on another link already"
-                raise found.refused(f"links.{name}", problem, "Let a node ride on one link only")
+                raise found.refused(f"links.{one.link}", problem, "Let a node ride on one link only")
             keep[ridden] = False
             T = rigid_transformation_6(points[rider] - points[carrier])[: count[rider]]
             rows.append(np.repeat(ridden, 6))
             columns.append(np.tile(first[carrier] + SIX, count[rider]))
             values.append(T.ravel())
-        sets[name] = np.array([carrier], dtype=np.intp)
+        if one.part:
+            joints[one.joint] = int(sets[one.link][0]), carrier
+        else:
+            sets[one.link] = np.array([carrier], dtype=np.intp)
     carried = eye_array(size, format="csr")
     if found.support == "ground":
         for node in _chosen(found, sets, tags, found.interface, "interface").tolist():
@@ -375,7 +386,7 @@ def _numbered(
         carried = coo_array((v[alive], (r[alive], moved[c[alive]])), shape=(size, n)).tocsr()
         if len(turned.rows):
             carried = carried + turned.matrix(size) @ carried
-    return Elements(
+    made = Elements(
         source=source,
         node_tags=tags,
         points=points,
@@ -386,6 +397,39 @@ def _numbered(
         own=own_dofs,
         carried=carried,
     )
+    return made, joints
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Carrier:
+    """What `riders` (r,), nodes of a `link`, ride on: the link itself, or of a further `part` what a joint holds to it."""
+
+    link: str
+    riders: Integers
+    part: str = ""
+
+    @property
+    def joint(self) -> str:
+        """Name of the joint."""
+        return f"{self.link}@{self.part}" if self.part else ""
+
+
+def _carriers(found: described.MeshDescription, tags: Integers, blocks: Sequence[Block], sets: Sets) -> Iterator[_Carrier]:
+    """Of every link itself, and of each part beyond the first that rides on it; of all where the ground holds it.
+
+    Parts that are welded to each other there ride as one.
+    """
+    nodes = {name: np.unique(np.concatenate([b.nodes.ravel() for b in blocks if b.part == name])) for name in found.parts}
+    for link, stated in found.riding.items():
+        riders = _chosen(found, sets, tags, stated.nodes, f"links.{link}.nodes")
+        own = {name: some for name, each in nodes.items() if len(some := np.intersect1d(riders, each))}
+        if sum(map(len, own.values())) > len(riders):
+            own = {next(iter(own)): riders}
+        parts = list(own)
+        first = 0 if found.support == "ground" and link in found.interface else 1
+        yield _Carrier(link=link, riders=np.concatenate([riders[:0], *(own[part] for part in parts[:first])]))
+        for part in parts[first:]:
+            yield _Carrier(link=link, riders=own[part], part=part)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -649,7 +693,7 @@ class _Made:
             return self._point(self.found.places[at], field)
         return np.asarray(self.elements.points[_set(self.found, self.sets, at, field)].mean(axis=0))
 
-    def require_joined(self, springs: Mapping[str, Sparse], supports: Sequence[str]) -> None:
+    def require_joined(self, springs: Mapping[str, Sparse], supports: Sequence[str], linked: Sequence[tuple[int, int]]) -> None:
         """Refuse groups that hang on nothing: where they are, and whether nodes there merely were not merged.
 
         Elements, links and springs connect the nodes that they have, whatever their stiffness is.
@@ -664,6 +708,7 @@ class _Made:
         node[where[where >= 0]] = np.nonzero(where >= 0)[0]
         ends = {name: np.unique(node[np.unique(spring.indices[spring.data != 0])]) for name, spring in springs.items()}
         together = [block.nodes for block in elements.blocks] + [one[None] for one in ends.values() if len(one)]
+        together += [np.array([pair]) for pair in linked]
         for name, link in found.riding.items():
             together.append(np.append(self.sets[name], _chosen(found, self.sets, elements.node_tags, link.nodes, name))[None])
         pairs = np.vstack([np.column_stack([np.repeat(own[:, 0], own.shape[1]), own.ravel()]) for own in together])

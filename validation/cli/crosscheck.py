@@ -342,7 +342,7 @@ def model_command(
     not carried over; the file names it.
 
     With --test ARTICLE is an FE model of your own that was struck, shaken or measured by modes by itself; what is written is its
-    study, a model file that names both, to lie beside the data.
+    study, a model file that names both, to lie beside the data. Of a deck the description is written, too, unless it is there.
 
     With --examine ARTICLE is an FE model of your own, of which each finding says what is wrong, where, how much, and what to do;
     docs/own-model.md has an example. Exit code 0 when nothing is wrong, 1 with findings, 2 when the file cannot be read at all.

@@ -24,7 +24,7 @@ from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STA
 from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, SINGLE_PLACES, STRIDE, child, nearby, start
 from validation.estimation.likelihood import cost_of, observed
 from validation.estimation.problem import EFFECT, FITTED, PLAIN, Fit, Parameter, Problem
-from validation.estimation.verdicts import MISFIT, expected_z2, largest_z, misfit
+from validation.estimation.verdicts import MISFIT, due_misfit, expected_z2, largest_z, misfit
 from validation.history.add import sized_by
 from validation.model.model import Added
 from validation.output import nats, odds
@@ -109,10 +109,11 @@ def goodness_of_fit(fit: Fit, problem: Problem) -> GoodnessOfFit:
         sums.append(s.sum())
     spreads = np.array([one.measured.noise_spread for one in problem.predictions])
     sd = float(np.linalg.norm(spreads * np.array(sums)) / max(np.array(sums).sum(), tiny))
-    due = max(expected_z2(fit), 1.0)
+    due, share = max(expected_z2(fit), 1.0), float(np.mean(np.concatenate(shares)))
+    left = 1.0 if (own := due_misfit(fit, problem, as_read=False)) is None else min(own / share, 1.0)
     return GoodnessOfFit(
         misfit=misfit(fit),
-        limit=float(np.mean(np.concatenate(shares))) * (1 + SCATTER * sqrt(2 / max(fit.degrees_of_freedom, 1) + sd**2)),
+        limit=share * (left + SCATTER * sqrt(2 * left / max(fit.degrees_of_freedom, 1) + (left * sd) ** 2)),
         prior_penalty=fit.tolerance_z2 / due,
         largest=largest_z(fit),
         likely=float(chdtrc(due, fit.tolerance_z2)),

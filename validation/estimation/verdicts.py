@@ -202,8 +202,9 @@ def misfit(of: Fit) -> float:
     return of.chi2 / max(of.degrees_of_freedom, 1)
 
 
-def due_misfit(of: Fit, problem: Problem) -> float | None:
-    """Chi² per degree of freedom that noise and tolerances come to by themselves in the fit `of` of `problem`.
+def due_misfit(of: Fit, problem: Problem, *, as_read: bool = True) -> float | None:
+    """Chi² per degree of freedom that noise and tolerances come to by themselves in the fit `of` of `problem`; of shapes not
+    what was read of them but what a sound model may be off counts, unless `as_read`.
 
     None without a table of modes: of lines by the hundred it is about 1. With J the whitened derivatives of the data, P what is
     known beforehand, C = (J^T J + P)^-1 and S the share of each variance that is noise, the residual (1 - J C J^T) (J x + n) has
@@ -220,7 +221,7 @@ def due_misfit(of: Fit, problem: Problem) -> float | None:
     CM = C @ M
     found = float(np.sum((C * known) * CM.T))
     for prediction, lines, seen in cost.observed:
-        read = seen.noise if prediction.measured.read is None else prediction.measured.read[:, lines]
+        read = prediction.measured.read[:, lines] if as_read and prediction.measured.read is not None else seen.noise
         variance = np.square(seen.noise) + np.square(FLOOR * seen.floor)
         latent = prediction.at(of.by_name, lines[:1], derivatives=False).rows.shape[-1] if seen.inputs is None else 0
         for k, run in enumerate(seen.runs):

@@ -158,8 +158,10 @@ def described(structure: Structure, modes: Modes, article: Article | None) -> tu
     elif not structure.part_stiffness:
         names, owner = [""], np.zeros(len(structure.points), dtype=np.intp)
     else:
-        held = [K.diagonal()[structure.translations].sum(axis=1) for K in structure.part_stiffness.values()]
-        names, owner = list(structure.part_stiffness), np.argmax(held, axis=0)
+        held = np.array([K.diagonal()[structure.translations].sum(axis=1) for K in structure.part_stiffness.values()])
+        names = list(structure.part_stiffness)
+        tying = np.isin(names, (*structure.supports, *structure.joints))[:, None]
+        owner = np.argmax(np.where(tying & held[~tying[:, 0]].any(axis=0), 0.0, held), axis=0)
     return tuple(
         _strained(0.0, {})
         if modes.frequency[r] == 0

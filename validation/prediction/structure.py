@@ -663,9 +663,12 @@ def by_itself(structure: Structure, band: float, *, damping: Damping | None = No
         whole = Inertia.from_mass_matrix(structure.rigid_mass, structure.reference_point).about(np.zeros(3))
         cog = whole.cog
     if rigid.size:
-        n = len(frequency)
+        own = slice(len(frequency), len(frequency) + rigid.shape[1])
         T = np.linalg.inv(rigid_transformation_6(structure.reference_point))
-        moves[:, n : n + rigid.shape[1]] = T @ directions[:, kept] / np.sqrt(square[kept])
+        moves[:, own] = T @ directions[:, kept] / np.sqrt(square[kept])
+        strains = np.ones(basis.shape[1])
+        strains[own] = 0.0  # by itself no more than to rounding of the stiffest joint
+        made = replace(made, stiffness=made.stiffness * np.outer(strains, strains))
     moved = free.expand(basis)
     slopes = {name: one @ moved for name, one in gradients(structure, tuple(structure.places)).items()}
     return ReducedStructure(

@@ -1,6 +1,7 @@
 """`massline add`, `massline ladder` and `massline undo` from options to output."""
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -364,7 +365,8 @@ def model(
     """Print the model file for `article`, or write it to `out`; with `tests` the study of an FE model beside them.
 
     With a `program` it is the snippet for that program's deck instead (`validation.model.write_back`). Of a deck it is the
-    description of its structure, its `units` those of `fem.mesh.deck.described`.
+    description of its structure, its `units` those of `fem.mesh.deck.described`; with `tests` that is written beside the deck,
+    unless it is there, and then their study.
 
     Raises
     ------
@@ -386,12 +388,20 @@ def model(
                 source=str(out), field="--out", problem=problem, remedy="Name another file, or replace it with --force"
             )
         require_file(out, "--out")
+    if is_deck and tests:
+        own = Path(article).with_suffix(".toml")
+        if out is None or out.resolve() == own.resolve():
+            problem = f"the structure of {article} is described in {own}, and the study is a file beside it"
+            raise BadInput(source="--out", problem=problem, remedy="Name the study, as in --out study.toml")
+        if not own.exists():
+            with suppress(CheckFailed):  # said behind the study
+                model(article, own, force=force, units=units)
+        model(str(own), out, force=force, tests=tests)
+        _require_all(article, deck.described(Path(article), units)[1])
+        return
     if program is not None:
         text = write_back.written(model_file.read(article), program)
     elif is_deck:
-        if tests:
-            problem = "a deck is described first, and its tests come beside that"
-            raise BadInput(source="--test", problem=problem, remedy="Leave it out, then name what was written with --test")
         text, lost = deck.described(Path(article), units)
     elif tests:
         text = model_file.study_text(article, tests, out or Path("study.toml"))
@@ -407,7 +417,10 @@ def model(
             raise BadInput(source=str(out), field="--out", problem=problem, remedy=f"Write it to {Path(article).parent}")
         write_text(out, text)
         click.echo(f"massline: wrote {out}.", err=True)
+    _require_all(article, lost)
+
+
+def _require_all(deck: str, lost: Sequence[str]) -> None:
     if lost:
-        raise CheckFailed(
-            f"{article}: not carried over: " + "; ".join(lost[:5]) + (f"; and {len(lost) - 5} more" if lost[5:] else "")
-        )
+        more = f"; and {len(lost) - 5} more" if lost[5:] else ""
+        raise CheckFailed(f"{deck}: not carried over: {'; '.join(lost[:5])}{more}")

@@ -14,6 +14,9 @@ from fem.modes import fixed_base, floating_shift, lowest
 from fem.structure import Structure, hold
 from fem.user_model.examine import lossless
 from geometry.errors import BadInput
+from validation.effects.catalogue import FAMILIES
+from validation.prediction.modal_table import real_modes
+from validation.prediction.structure import by_itself
 
 Meshed = Callable[..., Structure]
 
@@ -144,6 +147,46 @@ def test_a_link_is_rigid_and_carries_mass_exactly(meshed: Meshed) -> None:
     turn = u[linked.rotations[np.flatnonzero(linked.rotations[:, 0] >= 0)[0]]]
     for place, moved in zip([[0.2, 0.0, 0.0], [0.2, 0.1, 0.1], [0.2, 0.03, 0.07]], face, strict=True):
         assert_allclose(moved, hub + np.cross(turn, np.array(place) - [0.3, 0.05, 0.05]), rtol=1e-9)
+
+
+LINKED = '[fe_model.links.bolt]\nat = ["0.5 m", "0 m", "0 m"]\nnodes = [3, 4]\n'
+
+
+def apart(length: float = 1.0) -> str:
+    """As `chain`, the halves with a node each in the middle."""
+    points = np.column_stack([length * np.array([0, 0.25, 0.5, 0.5, 0.75, 1]), np.zeros((6, 2))])
+    halves = {"left": ("B31", [[1, 2], [2, 3]]), "right": ("B31", [[4, 5], [5, 6]])}
+    return abaqus(points, halves, {"root": [1], "tip": [6]})
+
+
+@pytest.mark.parametrize("support", ['support = "ground"\ninterface = ["root"]', 'support = "free"'])
+def test_parts_that_a_link_ties_are_joined_as_if_welded_by_a_joint_that_may_give(meshed: Meshed, support: str) -> None:
+    welded, linked = meshed(chain(), HALVES, support=support), meshed(apart(), HALVES, support=support, more=LINKED)
+    assert (welded.joints, linked.joints) == ((), ("bolt@right",))
+    of_welded, of_linked = by_itself(welded, 1000.0), by_itself(linked, 1000.0)
+    assert len(of_welded.frequency) == len(of_linked.frequency) > 3
+    assert_allclose(of_linked.frequency, of_welded.frequency, rtol=1e-4)
+    assert_allclose(linked.rigid_mass, welded.rigid_mass, rtol=1e-12, atol=1e-12)
+    # What gives there is a spring in the place of the link
+    units = [*3 * ['"1e12 N/m"'], '"1e9 N m/rad"', '"1e9 N m/rad"', '"2e3 N m/rad"']
+    spring = f"[fe_model.springs.bolt]\nbetween = [3, 4]\nstiffness = [{', '.join(units)}]"
+    soft = by_itself(meshed(apart(), HALVES, support=support, more=spring), 1000.0)
+    few = FAMILIES["connection-compliance"].change(of_linked.matrices, ("bolt@right", "gamma"), {"": 1 / 2e3})
+    found, wanted = (np.sqrt(real_modes(each).squares.clip(0)) / (2 * np.pi) for each in (few, soft.matrices))
+    low = wanted < 1000.0
+    assert_allclose(found[: len(wanted)][low], wanted[low], rtol=1e-3, atol=1e-2)
+    assert not np.allclose(of_linked.frequency[:3], soft.frequency[:3], rtol=0.01)
+
+
+def test_a_link_that_the_ground_holds_is_a_clamp_that_may_give_and_one_of_welded_parts_is_none(meshed: Meshed) -> None:
+    clamp = '[fe_model.links.clamp]\nat = ["0 m", "0 m", "0 m"]\nnodes = [1]\n'
+    held = 'support = "ground"\ninterface = ["clamp"]'
+    clamped = meshed(chain(), HALVES, support=held, more=clamp)
+    assert (clamped.joints, clamped.supports) == (("clamp@left",), ())
+    plain = meshed(chain(), HALVES, support='support = "ground"\ninterface = ["root"]')
+    assert_allclose(np.diag(flexibility(clamped, "tip")), np.diag(flexibility(plain, "tip")), rtol=1e-4)
+    middle = '[fe_model.links.middle]\nat = ["0.5 m", "0 m", "10 mm"]\nnodes = [2, 3]\n'
+    assert meshed(chain(), HALVES, support=held, more=clamp + middle).joints == ("clamp@left",)
 
 
 def test_a_body_at_a_place_turns_with_a_solid(meshed: Meshed) -> None:

@@ -620,7 +620,8 @@ def noisy(monkeypatch) -> Any:
 
 def of_spread(spread: float, scatter: float = 0.0, discrepancy: float = 0.0) -> SimpleNamespace:
     """A data set whose noise is known so well."""
-    return SimpleNamespace(measured=SimpleNamespace(noise_spread=spread, discrepancy=discrepancy, noise_scatter=scatter))
+    measured = SimpleNamespace(noise_spread=spread, discrepancy=discrepancy, noise_scatter=scatter, is_real=False, read=None)
+    return SimpleNamespace(measured=measured)
 
 
 def one_far(z: float) -> np.ndarray:

@@ -10,6 +10,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import Point, Tolerances
 from identification.modal_table import SOUND_SHAPE, ModalTable, mac, paired
+from validation.diagnose.search import SCATTER, goodness_of_fit
 from validation.effects.catalogue import Named
 from validation.effects.stages import Matrices
 from validation.estimation.evaluate import evaluate
@@ -89,7 +90,7 @@ def test_frequencies_and_shapes_of_a_chain_are_those_of_the_closed_form() -> Non
 
 @pytest.mark.parametrize(("options", "most"), [({}, 0.2), (NO_SHAPES, 0.8)])
 def test_chi2_of_sound_tables_is_what_noise_makes_of_it_beside_tolerances(options: dict[str, None], most: float) -> None:
-    of, rng, pairs = chain(), np.random.default_rng(22), []
+    of, rng, pairs, sound = chain(), np.random.default_rng(22), [], []
     made = modal_table.of(of, table(of, **options))
     for _ in range(40):
         there = {one.name: one.tolerance * rng.standard_normal() for part in made for one in part.parameters}
@@ -102,11 +103,16 @@ def test_chi2_of_sound_tables_is_what_noise_makes_of_it_beside_tolerances(option
         problem = Problem(tuple(drawn))
         found = fit(problem, FITTED)
         pairs.append((misfit(found), due_misfit(found, problem)))
+        sound.append(goodness_of_fit(found, problem))
     mean, due = np.mean(pairs, axis=0)
     assert (
         mean < most
     )  # shapes may be off by a tenth and were read to a hundredth; a few frequencies are told by as many tolerances
     assert_allclose(mean, due, rtol=0.25)
+    # And a fit counts as sound up to three times the scatter of what is left, which of few frequencies is less than of many lines
+    assert sum(one.misfit > one.limit for one in sound) <= 1
+    count, share = found.degrees_of_freedom, due_misfit(found, problem, as_read=False)
+    assert sound[-1].limit < (share + 1e-9) * (1 + SCATTER * np.sqrt(2 / (share * count))) * (1 + 1e-9)
 
 
 def test_the_damping_ratio_is_half_the_loss_factor_and_the_viscous_share() -> None:
