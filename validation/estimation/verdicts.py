@@ -171,7 +171,7 @@ def told(of: Evaluation, explained: ExplainedError, peak: float, due: float | No
     )
     nominal = percent(of.nominal.percent)
     as_it_stands = StatedError(name="nominal error", figure=nominal, meaning="the model as it stands, nothing fitted")
-    return (as_it_stands, plain, _fitted(of.fitted, due), _held_out(of, explained))
+    return (as_it_stands, plain, _fitted(of.fitted, due), _held_out(of, explained, plain.verdict))
 
 
 def _fitted(of: Fit, due: float | None) -> StatedError:
@@ -232,7 +232,7 @@ def due_misfit(of: Fit, problem: Problem, *, as_read: bool = True) -> float | No
     return found / max(of.degrees_of_freedom, 1)
 
 
-def _held_out(of: Evaluation, explained: ExplainedError) -> StatedError:
+def _held_out(of: Evaluation, explained: ExplainedError, plain: str) -> StatedError:
     meaning = "plain error on data used only for checking, predicted and not fitted"
     # What is left where all of a configuration was held out: without a verdict, since no fit knows what it alone has
     others, before = of.held_out_configurations, of.held_out_configurations_nominal
@@ -245,11 +245,15 @@ def _held_out(of: Evaluation, explained: ExplainedError) -> StatedError:
         none = "nothing is left for checking: each set of data is one run"
         return StatedError(name="held-out error", figure="–", meaning=meaning, text=beside or none)
     high = of.held_out.percent > MORE * max(of.plain.percent, explained.measurement)
-    said = "what was fitted does not hold there" if high else "the fit holds on data that it has not seen"
+    verdict, said = GOOD, "the fit holds on data that it has not seen"
+    if high:
+        verdict, said = DOUBTFUL, "what was fitted does not hold there"
+    elif plain == FAILED:
+        verdict, said = "", "hardly larger than on what was fitted: it is the model that fails, there as here"
     return StatedError(
         name="held-out error",
         figure=percent(of.held_out.percent),
         meaning=meaning,
-        verdict=DOUBTFUL if high else GOOD,
+        verdict=verdict,
         text=f"{said}; beside it, {beside}" if beside else said,
     )

@@ -94,10 +94,7 @@ def errors(found: Comparison) -> doc.Table:
 
     def judged(row: ErrorRow) -> str:
         one = row[3]
-        if one is None:
-            return ""
-        verdict = f"{one.verdict.upper()}: {one.text}" if one.verdict else one.text
-        return f"{one.meaning}. {verdict}" if verdict else one.meaning
+        return thought(row) if one is None or not one.verdict else f"{one.meaning}. {one.verdict.upper()}: {one.text}"
 
     return doc.Table(
         caption="The four errors",

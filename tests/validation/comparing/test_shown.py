@@ -31,7 +31,8 @@ the four errors
                                     is good only because the fit moved tolerances too far: force-gain:fmd-z2
                                     by +24.0 standard deviations
  held-out error             1.5 %   plain error on data used only for checking, predicted and not fitted.
-                                    GOOD: the fit holds on data that it has not seen
+                                    Hardly larger than on what was fitted: it is the model that fails, there
+                                    as here
 
 """
 
@@ -101,6 +102,9 @@ def test_a_fit_that_does_not_hold_on_unseen_runs_is_doubted_but_not_where_tolera
     expected = ExplainedError(measurement=0.4, with_modes=0.4)
     assert told(null, expected, 2.0)[3].verdict == GOOD
     assert told(null, replace(expected, measurement=0.3), 2.0)[3].verdict == DOUBTFUL
+    # Nothing is good about a model that fails as much on what no fit has seen
+    failed = told(of, EXPECTED, 18.0)
+    assert (failed[1].verdict, failed[3].verdict) == (FAILED, "")
 
 
 def test_a_configuration_never_seen_is_told_beside_the_verdict_and_a_spot_as_an_engineer_would(evaluation):
