@@ -500,7 +500,7 @@ def worst(maps: Sequence[Map], modes: Sequence[Sequence[NamedMode]], count: int 
 def _of_run(of: Map, run: int, modes: Sequence[NamedMode]) -> Iterator[Spot]:
     """The spots of one run, which take its sigmas (n, m) one after the other."""
     # What a sigma counts when the worst row is sought
-    near = [np.abs(of.frequency / mode.frequency - 1) <= RESONANT for mode in modes]
+    near = [np.abs(of.frequency - mode.frequency) <= RESONANT * mode.frequency for mode in modes]
     counts = np.ones((len(of.frequency), len(of.rows)))
     counts[:, of.channels :] = (np.where(np.any(near, axis=0), 1.0, LOAD) if near else np.full(len(of.frequency), LOAD))[:, None]
     sigma = np.abs(of.deviation[run]) / of.expected[run]

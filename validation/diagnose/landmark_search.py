@@ -65,6 +65,10 @@ ALIKE = 0.9995
 """[1] Cosine between what two effects do to the landmarks from which one is looked at for both. Held by
 tests/validation/diagnosing/test_landmark_search.py."""
 
+MOST_ALIKE = 3
+"""[count] of effects any of which explains as much: one of more is no name, and its size none of anything. Held by
+tests/validation/diagnosing/test_landmark_search.py."""
+
 UNSEEN = 1e-6
 """[sd] of a sound model that an effect moves all landmarks by at least to be looked for. By definition."""
 
@@ -465,6 +469,8 @@ class FromAfar:
             each.named.id: (each.named.id,) if each.fixed else view.alike(best, each, groups, nodes, variance)
             for each in best.effects
         }
+        if any(len(ids) > MOST_ALIKE for ids in alike.values()):
+            return None
         with_one = [node for node in nodes.values() if len(node.effects) == len(start.effects) + 1]
         with_one += [start] if start.effects else []
         alone = [
