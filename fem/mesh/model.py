@@ -1,5 +1,6 @@
 """From a description and its mesh or STEP file to a `Structure` with parts, places, supports, joints and sections."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -414,21 +415,28 @@ class _Carrier:
         return f"{self.link}@{self.part}" if self.part else ""
 
 
+SEAM = 6
+"""[count] of links between the same two parts of which each may give by itself; more are a seam, which holds as a weld does. Held
+by tests/fem/mesh/test_mesh_structure.py."""
+
+
 def _carriers(found: described.MeshDescription, tags: Integers, blocks: Sequence[Block], sets: Sets) -> Iterator[_Carrier]:
     """Of every link itself, and of each part beyond the first that rides on it; of all where the ground holds it.
 
     Parts that are welded to each other there ride as one.
     """
     nodes = {name: np.unique(np.concatenate([b.nodes.ravel() for b in blocks if b.part == name])) for name in found.parts}
+    riding: dict[str, tuple[Integers, dict[str, Integers]]] = {}
     for link, stated in found.riding.items():
         riders = _chosen(found, sets, tags, stated.nodes, f"links.{link}.nodes")
         own = {name: some for name, each in nodes.items() if len(some := np.intersect1d(riders, each))}
-        if sum(map(len, own.values())) > len(riders):
-            own = {next(iter(own)): riders}
-        parts = list(own)
+        riding[link] = riders, own if sum(map(len, own.values())) == len(riders) else {}
+    alike = Counter(tuple(own) for _, own in riding.values())
+    for link, (riders, own) in riding.items():
         first = 0 if found.support == "ground" and link in found.interface else 1
-        yield _Carrier(link=link, riders=np.concatenate([riders[:0], *(own[part] for part in parts[:first])]))
-        for part in parts[first:]:
+        apart = [] if alike[tuple(own)] > SEAM else list(own)[first:]
+        yield _Carrier(link=link, riders=np.setdiff1d(riders, [node for part in apart for node in own[part]]))
+        for part in apart:
             yield _Carrier(link=link, riders=own[part], part=part)
 
 

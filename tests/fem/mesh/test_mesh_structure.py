@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from scipy.sparse.linalg import spsolve
 
 from benchmarks.read_meshes import STEEL, abaqus, bricks, plate
-from fem.mesh import description
+from fem.mesh import description, model
 from fem.modes import fixed_base, floating_shift, lowest
 from fem.structure import Structure, hold
 from fem.user_model.examine import lossless
@@ -187,6 +187,21 @@ def test_a_link_that_the_ground_holds_is_a_clamp_that_may_give_and_one_of_welded
     assert_allclose(np.diag(flexibility(clamped, "tip")), np.diag(flexibility(plain, "tip")), rtol=1e-4)
     middle = '[fe_model.links.middle]\nat = ["0.5 m", "0 m", "10 mm"]\nnodes = [2, 3]\n'
     assert meshed(chain(), HALVES, support=held, more=clamp + middle).joints == ("clamp@left",)
+
+
+@pytest.mark.parametrize("count", [model.SEAM, model.SEAM + 1])
+def test_few_bolts_may_give_one_by_one_and_a_seam_of_them_holds(meshed: Meshed, count: int) -> None:
+    points, elements = plate(8, 1, (1.0, 0.1))
+    own = len(points)
+    upper = [[node + own for node in quad] for quad in elements]
+    both = abaqus(np.vstack([points, points + np.array([0, 0, 0.01])]), {"left": ("S4", elements), "right": ("S4", upper)})
+    sheets = "".join(f'[fe_model.parts.{part}]\n{STEEL}\nthickness = "5 mm"\n' for part in ("left", "right"))
+    bolts = [
+        f'[fe_model.links.bolt-{k}]\nat = ["{points[k][0]} m", "{points[k][1]} m", "0 m"]\nnodes = [{k + 1}, {k + 1 + own}]\n'
+        for k in range(count)
+    ]
+    joints = meshed(both, sheets, support='support = "free"', more="".join(bolts)).joints
+    assert len(joints) == (count if count == model.SEAM else 0)
 
 
 def test_a_body_at_a_place_turns_with_a_solid(meshed: Meshed) -> None:
