@@ -667,7 +667,7 @@ def plausible(of: Nuisances, named: Named, size: SizeSpec) -> float:
     modes = len(of.frequency)
     if of.nominal.base or not modes or size.logarithmic or _family(named).stage != STRUCTURE_STAGE:
         return size.plausible
-    step = NEXT_TO_NOTHING * size.plausible
+    step = min(NEXT_TO_NOTHING * size.plausible, COARSE * _straight(named, of.nominal, inf))
     before, after = (_changed(_with(named, size, size.null + one), of.nominal) for one in (0.0, step))
     squares = (2 * np.pi * of.frequency) ** 2
     K, M, S = ((np.diag(getattr(after, one)) - np.diag(getattr(before, one)))[:modes] / step for one in FIELDS_OF_FAULTS)
@@ -772,7 +772,7 @@ def structure(
                 continue
             named = added.named
             value, scale, slope = _scale(named, size)
-            step = COARSE * scale
+            step = COARSE * _straight(named, stage, scale)
             below, above = (_changed(_with(named, size, value + side * step), stage) for side in (-1, 1))
             found[name(added.named, size.key)] = between(below, above, 2 * step / slope)
         stage = after
@@ -872,6 +872,12 @@ def _scale(named: Named, size: SizeSpec) -> tuple[float, float, float]:
     """A size as it stands, what to measure steps by, and d size / d offset."""
     value = named.values[size.key]
     return (value, abs(value), value) if size.logarithmic else (value, max(abs(value), size.plausible), 1.0)
+
+
+def _straight(named: Named, stage: Any, scale: float) -> float:
+    """`scale` of a size, or less where the equation is no straight line over a small part of that."""
+    straight = _family(named).straight
+    return scale if straight is None else min(scale, straight(stage, named.targets, named.values))
 
 
 def _slope(named: Named, size: SizeSpec, stage: Any, field: str) -> ComplexArray:

@@ -14,7 +14,9 @@ from fem.modes import fixed_base, floating_shift, lowest
 from fem.structure import Structure, hold
 from fem.user_model.examine import lossless
 from geometry.errors import BadInput
-from validation.effects.catalogue import FAMILIES
+from validation.effects.catalogue import FAMILIES, Named
+from validation.model.model import Added
+from validation.prediction.effects import full, structure
 from validation.prediction.modal_table import real_modes
 from validation.prediction.structure import by_itself
 
@@ -176,6 +178,23 @@ def test_parts_that_a_link_ties_are_joined_as_if_welded_by_a_joint_that_may_give
     low = wanted < 1000.0
     assert_allclose(found[: len(wanted)][low], wanted[low], rtol=1e-3, atol=1e-2)
     assert not np.allclose(of_linked.frequency[:3], soft.frequency[:3], rtol=0.01)
+
+
+def test_what_a_joint_gives_shows_from_the_first_radian_however_stiff_it_is(meshed: Meshed) -> None:
+    """Its own compliance is a ten-thousandth of a plausible one: a step between the two is no derivative."""
+    m = by_itself(meshed(apart(), HALVES, support='support = "free"', more=LINKED), 1000.0).matrices
+    for size in (0.0, 1e-4):
+        added = Added(named=Named(family="connection-compliance", targets=("bolt@right", "gamma"), values={"": size}))
+        after, found = structure(m, {}, [added])
+        modes = real_modes(after)
+        phi = modes.shapes[:, 6:10]
+        (tangent,) = found.values()
+        derivative = np.sum(phi * (full(tangent, "stiffness", len(phi)) @ phi), axis=0)
+        step = 1e-7
+        more = FAMILIES["connection-compliance"].change(m, ("bolt@right", "gamma"), {"": size + step})
+        slope = (real_modes(more).squares[6:10] - modes.squares[6:10]) / step
+        assert_allclose(derivative, slope, rtol=0.02, atol=2e-3 * abs(slope).max())
+        assert derivative.min() < -1e7
 
 
 def test_a_link_that_the_ground_holds_is_a_clamp_that_may_give_and_one_of_welded_parts_is_none(meshed: Meshed) -> None:

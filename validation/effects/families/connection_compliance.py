@@ -26,6 +26,13 @@ def change(stage: Matrices, targets: tuple[str, ...], values: Values) -> Matrice
     return replace(stage, stiffness=stiffness, joints=joints)
 
 
+def straight(stage: Matrices, targets: tuple[str, ...], values: Values) -> float:
+    """The compliance that the stiffest of the joints has of itself and by `values`."""
+    names, d = joints_named(targets[0], tuple(stage.joints)), MOTIONS.index(targets[1])
+    stiffest = max((stage.joints[name].stiffness[d] for name in names), default=0.0)
+    return values[""] + 1 / stiffest if stiffest else np.inf
+
+
 FAMILY = Family(
     name="connection-compliance",
     side=STRUCTURE,
@@ -36,6 +43,7 @@ FAMILY = Family(
     example="connection-compliance:bolt:z=1e-8",
     stage=STRUCTURE_STAGE,
     change=change,
+    straight=straight,
     equation="1/k' = 1/k + c, K += (k' - k) g gᵀ",
     mistaken_for=("modulus", "joint-compliance", "support-stiffness"),
     confirmed_by="torque the bolts again; two accelerometers, one on either side of the joint",
