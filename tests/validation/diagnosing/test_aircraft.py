@@ -5,6 +5,7 @@ Wright, DETC97, Sacramento 1997 (participant C of twelve laboratories). The tape
 fuselage are left out: both are known to matter, and ten frequencies without shapes do not tell either.
 """
 
+import tomllib
 from itertools import pairwise
 from pathlib import Path
 
@@ -84,3 +85,34 @@ def test_ten_frequencies_that_are_off_by_a_tenth_name_nothing(study, answer):
     found = answer("diagnose", study)
     assert found["verdict"] == "unknown"
     assert found["accepted"] == []
+
+
+PICKED_UP = ("drum-1:z", "drum-2:z", "drum-3:z", "drum-4:z", "drum-1:x", "drum-3:x", "tail:y", "tail:z", "nose:y", "nose:z")
+PLACES = {f"drum-{k}": (x, y, 0.091) for k, (x, y) in enumerate(((0.2, 0.95), (-0.2, 0.95), (0.2, -0.95), (-0.2, -0.95)), 1)}
+PLACES |= {"tail": (-0.8, 0.0, 0.38), "nose": (0.6, 0.0, 0.0)}
+
+
+@pytest.mark.proof
+def test_wings_that_give_in_yaw_where_they_are_bolted_on_are_named_from_nine_modes(study, run, answer):
+    told = Path("aircraft.toml").read_text()
+    told += "[fe_model.places]\n" + "".join(f"{name} = {[f'{x} m' for x in at]}\n" for name, at in PLACES.items())
+    links = tomllib.loads(told)["fe_model"]["links"]
+    ((link, (hub, *root)),) = [(name, one["nodes"]) for name, one in links.items() if one["nodes"][2:]]
+    old = told[told.index(f'[fe_model.links."{link}"]') :].partition("\n\n")[0]
+    units = [*3 * ['"1e10 N/m"'], '"1e8 N m/rad"', '"1e8 N m/rad"', '"2e5 N m/rad"']
+    bolted = f'[fe_model.links.root]\nat = ["0 m", "0 m", "0.0805 m"]\nnodes = {root}\n[fe_model.springs.plate]\n'
+    bolted += f'between = [{hub}, "root"]\nstiffness = [{", ".join(units)}]'
+    Path("aircraft.toml").write_text(told)
+    Path("truth.toml").write_text(told.replace(old, bolted))
+    Path("made.toml").write_text(
+        'format = 1\nmodel = { title = "truth", article = "aircraft" }\nstructure = { own = { aircraft = "truth.toml" } }\n'
+    )
+    read = [word for place in PICKED_UP for word in ("--response", place)]
+    code, _, err = run("simulate", "made.toml", "--test", "modes", *read, "--band", "4", "70", "--seed", "3", "--out", "made")
+    assert code == 0, err
+    code, _, err = run("model", "aircraft.toml", "--test", "made/test.toml", "--out", "compared.toml")
+    assert code == 0, err
+    found = answer("diagnose", "compared.toml")
+    named = {one["id"] for one in found["accepted"]}
+    assert f"connection-compliance:{link}@2:gamma" in {*named, *found["equivalence_class"]}
+    assert named <= {*found["equivalence_class"], f"connection-compliance:{link}@2:gamma"}
