@@ -37,7 +37,7 @@ from validation.model.model import Added
 from validation.prediction.dynamic_mass import Finite
 from validation.prediction.effects import UNSEEN, Nuisances
 from validation.prediction.structure import ReducedStructure
-from validation.prediction.structure_tests import OnNodes, StructurePrediction
+from validation.prediction.structure_tests import OnNodes
 from validation.study import Study
 
 MASS, SPRINGS, RESONATOR = "point-mass", ("cable:x", "cable:y", "cable:z"), "absorber"
@@ -468,7 +468,7 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
             if here.id in asked:
                 break
             asked.add(here.id)
-            ready = _with_node(data, here.target)
+            ready = data.ready_at([here.target])
             start, effect = replace(base, problem=ready.problem(base.effects)), Added(named=here)
             there = restarted_from_priors(ready, start, effect) if can_restart(effect) else fit_with(ready, start, effect)
             if there.fit.log_evidence <= most:
@@ -498,7 +498,8 @@ def _standing(problem: Problem, of: Fit, offsets: Mapping[str, float]) -> Fit:
 
 
 def elsewhere(data: Study, rest: Candidate, there: Candidate) -> tuple[tuple[Study, Added, float], ...]:
-    """The nodes at which the newest effect of `there`, a mass or a spring that `rest` has not, may explain most, with the study.
+    """The nodes at which the newest effect of `there`, a mass or a spring that `rest` has not, may explain most, with the study
+    that is ready for all of them: the modes of what is sound do not hold how what carries a large mass bends.
 
     Tolerances are followed from where they stand with it, once as far as they can with it and once as far as they can without:
     along the lines of a spectrum the one errs, of a table of modes the other. Where it has a name, a node that has none must
@@ -510,7 +511,7 @@ def elsewhere(data: Study, rest: Candidate, there: Candidate) -> tuple[tuple[Stu
         return ()
     offsets = {**rest.problem.start, **{one: x for one, x in there.fit.by_name.items() if one in rest.problem.by_name}}
     without = replace(rest, fit=_standing(rest.problem, rest.fit, offsets))
-    found: dict[str, tuple[Study, Added, float]] = {}
+    found: dict[str, tuple[Added, float]] = {}
     named = position(here)
     for search in (*MeshSearch.in_place_of(data, there, rest.fit.cost - there.fit.cost), *MeshSearch.of(without)):
         point = places_of(search.whole.structure).get(here) if named is None else np.array(named)
@@ -521,29 +522,13 @@ def elsewhere(data: Study, rest: Candidate, there: Candidate) -> tuple[tuple[Stu
         again = Named(family=added.named.family, targets=(place, *added.named.targets[1:]), values={"": size})
         if again.id not in {one.named.id for one in there.effects} and not np.allclose(search.points[node], point):
             looked = 0.0 if named is not None else float(np.log(len(search.points))) + INDISTINGUISHABLE_NATS
-            found.setdefault(place, (_with_node(data, place), Added(named=again), looked))
-    return tuple(found.values())
+            found.setdefault(place, (Added(named=again), looked))
+    ready = data.ready_at([*found]) if found else data
+    return tuple((ready, *one) for one in found.values())
 
 
 def _is_worth(node: FoundNode) -> bool:
     return node.evidence >= max(evidence_threshold(node.named.family), node.named_evidence + INDISTINGUISHABLE_NATS)
-
-
-def _with_node(data: Study, place: str) -> Study:
-    """`data` with the node that is a `place`, as the coordinates that are there move it."""
-    tests: list[StructurePrediction] = []
-    made: dict[int, Nuisances] = {}  # one of each structure, whose modes all its tests share
-    for one in data.tests:
-        if isinstance(one, OnNodes) and (whole := one.structure.reduced) is not None:
-            if id(one.structure) not in made:
-                points, moved = whole.nodes()
-                row = whole.basis[moved[np.argmin(np.linalg.norm(points - np.array(position(place)), axis=1))]]
-                of = one.structure.nominal
-                made[id(one.structure)] = replace(one.structure, nominal=replace(of, places={**of.places, place: row}))
-            tests.append(one.by(made[id(one.structure)]))
-        else:
-            tests.append(one)
-    return replace(data, tests=tuple(tests))
 
 
 def places_of(structure: Structure) -> dict[str, Array]:

@@ -48,7 +48,7 @@ OCTAVES = np.arange(-3.0, 5.0)
 MOST_EFFECTS = 3
 """[count] of effects of free size at once. By definition."""
 
-KEPT = 5
+KEPT = 3
 """[count] of explanations beside which others are looked for. Held by tests/validation/diagnosing/test_landmark_search.py."""
 
 LOOKED_AT = 40
@@ -239,7 +239,17 @@ class DistantView:
 
     def variance(self, nodes: Iterable[LandmarkFit]) -> float:
         """What the best of `nodes` leaves, one at least."""
-        return max(1.0, min(one.chi2 / max(self.number - len(one.sizes), 1.0) for one in nodes))
+        return max(1.0, min(self.misfit(one) for one in nodes))
+
+    def misfit(self, node: LandmarkFit) -> float:
+        """chi² a number that `node` leaves."""
+        return node.chi2 / max(self.number - len(node.sizes), 1.0)
+
+    def looked_at(self, node: LandmarkFit, rest: LandmarkFit, variance: float) -> "LookedAt":
+        """The newest effect of `node` that `rest` has not."""
+        added = next(one for one in reversed(node.effects) if one.named.id not in rest.ids)
+        gained = node.log_evidence(variance) - rest.log_evidence(variance)
+        return LookedAt(added=added, evidence=gained, misfit=self.misfit(node))
 
     def needed(self, data: Study, nodes: Sequence[LandmarkFit], start: LandmarkFit, variance: float) -> LandmarkFit:
         """That of `nodes`, each of which has the effects of `start`, that has no effect more than can be told.
@@ -265,9 +275,7 @@ class DistantView:
                 break
             first = more[0].log_evidence(variance)
             near = [one for one in more[:KEPT] if one.log_evidence(variance) > first - EVIDENCE_THRESHOLD]
-            there = (
-                min(near, key=lambda one: np.nan_to_num(cost(one), nan=-one.log_evidence(variance))) if len(near) > 1 else near[0]
-            )
+            there = min(near, key=lambda one: np.nan_to_num(cost(one), nan=-one.log_evidence(variance)))
             gained = max(first, there.log_evidence(variance)) - best.log_evidence(variance)
             asked = max(evidence_threshold(one.named.family) for one in there.effects if not one.fixed)
             by_lines = 0.5 * self.number * float(np.log(cost(best) / cost(there))) if gained > 0 else 0.0
@@ -285,7 +293,7 @@ class DistantView:
     ) -> tuple[str, ...]:
         """Ids of what could stand for `one` beside the other effects of `best`, the best first."""
         others = best.ids - {one.named.id}
-        left = tuple(each for each in best.effects if each is not one)
+        rest = replace(best, effects=tuple(each for each in best.effects if each is not one))
         found = {one.named.id: best.log_evidence(variance)}
         for group in groups:
             first = group[0].named.id
@@ -296,9 +304,7 @@ class DistantView:
                 continue
             for each in group:
                 if each.named.id not in best.ids:
-                    again = (
-                        near if each is group[0] else self.explained((*left, self.scanned(replace(best, effects=left), each)[1]))
-                    )
+                    again = near if each is group[0] else self.explained((*rest.effects, self.scanned(rest, each)[1]))
                     found[each.named.id] = again.log_evidence(variance)
         return tuple(id for id in found if found[id] >= found[one.named.id] - INDISTINGUISHABLE_NATS)
 
@@ -429,36 +435,54 @@ class FromAfar:
             with_it = view.explained((*start.effects, known))
             start = with_it if with_it.chi2 < start.chi2 else start
         nodes: dict[frozenset[str], LandmarkFit] = {base.ids: base, start.ids: start}
-        beam = [start]
-        for depth in range(MOST_EFFECTS):
+        asked: set[frozenset[str]] = set()
+
+        def without(node: LandmarkFit, one: Added) -> LandmarkFit:
+            return nodes.get(node.ids - {one.named.id}) or view.explained(tuple(each for each in node.effects if each is not one))
+
+        def beside(some: Sequence[LandmarkFit], done: float) -> list[LandmarkFit]:
+            """The nodes with one effect more than `some`, of those that come nearest."""
+            nonlocal firsts
             made: dict[frozenset[str], LandmarkFit] = {}
-            for k, node in enumerate(beam):
-                progress("looking from afar", (depth + k / len(beam)) / MOST_EFFECTS)
+            for k, node in enumerate(some):
+                progress("looking from afar", (done + k / len(some)) / (MOST_EFFECTS + 1))
+                asked.add(node.ids)
                 others = [one for one in firsts if one.named.id not in node.ids]
                 looked = sorted((view.scanned(node, one) for one in others), key=lambda each: each[0])
                 if node is start:  # what does least by itself is not looked at beside others where there is very much
                     best_first = {there.named.id: place for place, (_, there) in enumerate(looked)}
                     firsts = sorted(firsts, key=lambda one: best_first[one.named.id])[:LOOKED_AT]
                 for there in _diverse([there for _, there in looked], TRIED):
-                    ids = node.ids | {there.named.id}
-                    if ids not in made:
-                        made[ids] = view.explained((*node.effects, there))
-            nodes |= made
+                    if (ids := node.ids | {there.named.id}) not in made:
+                        made[ids] = nodes.get(ids) or view.explained((*node.effects, there))
+            nodes.update(made)
+            return list(made.values())
+
+        beam = [start]
+        for depth in range(MOST_EFFECTS):
+            made = beside(beam, depth)
             variance = view.variance(nodes.values())
-            ordered = sorted(made.values(), key=lambda one: -one.log_evidence(variance))
+            ordered = sorted(made, key=lambda one: -one.log_evidence(variance))
             newest = {id(one.effects[-1]): one for one in ordered}
             beam = [newest[id(one)] for one in _diverse([one.effects[-1] for one in ordered], KEPT)]
-        variance = view.variance(nodes.values())
+        while beam:  # what came first may only have stood for what came after: each is asked once more beside the others
+            first = max(beam, key=lambda one: one.log_evidence(variance))
+            least = first.log_evidence(variance) - EVIDENCE_THRESHOLD
+            rests: dict[frozenset[str], LandmarkFit] = {}
+            for node in (one for one in beam if one.log_evidence(variance) > least):
+                for one in node.effects[len(start.effects) :]:
+                    if (ids := node.ids - {one.named.id}) not in asked | rests.keys():
+                        rests[ids] = without(node, one)
+            made = beside(list(rests.values()), MOST_EFFECTS)
+            variance = view.variance(nodes.values())
+            beam = [one for one in made if one.log_evidence(variance) > first.log_evidence(variance)]
         progress("telling what is near apart by lines", 0.9)
         best = view.needed(data, [one for one in nodes.values() if one.ids >= start.ids], start, variance)
         gains: dict[str, float] = {}
         for added in best.effects:
-            left = tuple(each for each in best.effects if each is not added)
-            if added.fixed:  # it is there wherever it acts, and is named where it brings enough by itself
-                gains[added.named.id] = view.explained((added,)).log_evidence(variance) - base.log_evidence(variance)
-            else:
-                rest = nodes.get(best.ids - {added.named.id}) or view.explained(left)
-                gains[added.named.id] = best.log_evidence(variance) - rest.log_evidence(variance)
+            # What mechanics states is there wherever it acts, and is named where it brings enough by itself
+            of, rest = (view.explained((added,)), base) if added.fixed else (best, without(best, added))
+            gains[added.named.id] = of.log_evidence(variance) - rest.log_evidence(variance)
         faint = {one.named.id for one in best.effects if one.fixed and gains[one.named.id] < evidence_threshold(one.named.family)}
         if faint:
             best = view.explained(tuple(one for one in best.effects if one.named.id not in faint))
@@ -473,16 +497,8 @@ class FromAfar:
             return None
         with_one = [node for node in nodes.values() if len(node.effects) == len(start.effects) + 1]
         with_one += [start] if start.effects else []
-        alone = [
-            LookedAt(
-                added=one.effects[-1],
-                evidence=one.log_evidence(variance) - base.log_evidence(variance),
-                misfit=one.chi2 / max(view.number - len(one.sizes), 1.0),
-            )
-            for one in with_one
-        ]
-        beside = [node for node in nodes.values() if node.ids > best.ids and len(node.effects) == len(best.effects) + 1]
-        nearest = max(beside, key=lambda one: one.log_evidence(variance), default=None)
+        beside_best = [node for node in nodes.values() if node.ids > best.ids and len(node.effects) == len(best.effects) + 1]
+        nearest = max(beside_best, key=lambda one: one.log_evidence(variance), default=None)
         return cls(
             best=best,
             variance=variance,
@@ -490,14 +506,8 @@ class FromAfar:
             base=base,
             gains=gains,
             alike=alike,
-            alone=tuple(sorted(alone, key=lambda one: -one.evidence)),
-            after=None
-            if nearest is None
-            else LookedAt(
-                added=next(one for one in nearest.effects if one.named.id not in best.ids),
-                evidence=nearest.log_evidence(variance) - best.log_evidence(variance),
-                misfit=nearest.chi2 / max(view.number - len(nearest.sizes), 1.0),
-            ),
+            alone=tuple(sorted((view.looked_at(one, base, variance) for one in with_one), key=lambda one: -one.evidence)),
+            after=None if nearest is None else view.looked_at(nearest, best, variance),
             view=view,
         )
 

@@ -472,18 +472,29 @@ def backward_elimination(
 
 def _moved(data: Study, rest: Candidate, there: CandidateFit, elsewhere: Elsewhere | None) -> tuple[Study, CandidateFit]:
     """`there`, whose newest effect stands beside `rest`, at the place on a mesh that is best, and the study with that."""
-    looked = 0.0
+    end = there
     for _ in range(MOVES):
-        ends = []
-        for study, added, more in elsewhere(data, rest, there.candidate) if elsewhere else ():
-            rival = candidate_fit(rest, _fit_in_place(study, there.candidate, rest, added))
-            if is_accepted(rival):
-                ends.append((rival.evidence - looked - more, looked + more, study, rival))
-        best = max(ends, key=lambda end: end[0], default=None)
-        if best is None or best[0] <= there.evidence + SAME_NATS:
+        found = elsewhere(data, rest, end.candidate) if elsewhere else ()
+        if not found:
             break
-        looked, data, there = best[1], best[2], replace(best[3], evidence=best[0])
-    return data, there
+        ready = found[0][0]  # all are held against each other over the same coordinates
+        rest, here = (_over(ready, data, one) for one in (rest, end.candidate))
+        brought = candidate_fit(rest, here).evidence
+        fits = [(candidate_fit(rest, _fit_in_place(ready, here, rest, added)), cost) for _, added, cost in found]
+        ends = [(one.evidence - cost - brought, one) for one, cost in fits if is_accepted(one)]
+        gained, best = max(ends, key=lambda one: one[0], default=(0.0, end))
+        if gained <= SAME_NATS:
+            break
+        data, end = ready, replace(best, evidence=end.evidence + gained)
+    return data, end
+
+
+def _over(ready: Study, data: Study, of: Candidate) -> Candidate:
+    """`of` the study `data`, fitted from where it stands over what coordinates `ready` has more."""
+    if ready is data:
+        return of
+    problem = ready.problem(of.effects)
+    return recentred(ready, replace(of, fit=child(problem, FITTED, of.fit, of.fit.by_name), problem=problem))
 
 
 def _fit_in_place(data: Study, at: Candidate, rest: Candidate, added: Added) -> Candidate:
@@ -598,8 +609,9 @@ def stepwise_search(
             for each in filter(is_accepted, one.tried[:FEW]):
                 others = (other for other in one.tried if other is not each)
                 led = [*rounds[:-1], replace(one, tried=(each, *others), added=each.id)]
-                ends.append((led, *backward_elimination(data, each.candidate, led, progress, elsewhere, by_name=False)))
-            led, data, found, asked = max(ends, key=lambda end: end[2].fit.log_evidence)
+                ready, end, asked = backward_elimination(data, each.candidate, led, progress, elsewhere, by_name=False)
+                ends.append((end.fit.log_evidence - _over(ready, data, at).fit.log_evidence, led, ready, end, asked))
+            _, led, data, found, asked = max(ends, key=lambda one: one[0])
             rounds = [*led, *asked]
         if goodness_of_fit(found.fit, found.problem).largest >= ABSURD:
             home = candidate_fit(found, restarted_from_priors(data, found))
