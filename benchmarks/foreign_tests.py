@@ -32,12 +32,18 @@ from scipy.sparse.linalg import eigsh, splu
 Array = npt.NDArray[Any]
 Places = Mapping[str, tuple[float, float, float]]
 Box = tuple[float, float, float, float, float, float]
+Fault = tuple[str, str, float]
+"""Kind, target - of a channel with what it is mistaken for or goes along or about - and size in SI."""
 
 STEEL, ALUMINIUM = (210e9, 0.3, 7850.0), (70e9, 0.33, 2700.0)
 GAIN, ANGLE, NOISE, LEVEL, DAMPING = 0.005, 0.5, 0.005, 0.0005, 0.3
 """Scatter of pick-ups [1], [deg]; noise of a line as a share of it and of the level of its run; of the logarithm of a loss."""
 FOOT = 0.007
 """[m] Radius of pick-ups and of the tip of a hammer."""
+STANDARD_GRAVITY = 9.80665
+"""[m/s²] What a pick-up that is stated in m/s² is divided by where it reads in g."""
+BESIDE = "beside"
+"""Place of the tested structure at which a pick-up sits that is not at its own."""
 MODULUS, DENSITY, SUPPORT = 0.015, 0.003, 0.05
 """Scatter of what parts are made of, and of springs."""
 
@@ -79,7 +85,7 @@ class Bench:
     responses: tuple[str, ...]
     drives: tuple[str, ...]
     modes: int
-    faults: Mapping[str, tuple[str, str, float]]
+    faults: Mapping[str, Fault]
     loss: float = 0.02
 
 
@@ -260,7 +266,7 @@ class Tested:
     losses: Array
 
 
-def tested(bench: Bench, fault: tuple[str, str, float] | None, seed: int) -> Tested:
+def tested(bench: Bench, fault: Fault | None, seed: int) -> Tested:
     """The structure with materials a little off and with the `fault` in it."""
     draw, fine = np.random.default_rng([seed, 1]), bench.fine()
     kind, target, size = fault or ("", "", 0.0)
@@ -272,6 +278,9 @@ def tested(bench: Bench, fault: tuple[str, str, float] | None, seed: int) -> Tes
     n, d = K.shape[0], fine.per_node
     more, tie = np.zeros(n), 1e3 * abs(K).max()
     at = {name: fine.patch(p) for name, p in bench.places.items()}
+    if kind == "beside":
+        place, along = target.split(":")[0], "xyz".index(target[-1])
+        at[BESIDE] = fine.patch(tuple(np.array(bench.places[place]) + size * np.eye(3)[along]))
     for name, (node, k) in fine.springs.items():
         factor = np.exp(SUPPORT * draw.standard_normal()) * (size if (kind, target) == ("support", name) else 1.0)
         more[d * node : d * node + len(k)] += factor * k
@@ -314,14 +323,26 @@ def tested(bench: Bench, fault: tuple[str, str, float] | None, seed: int) -> Tes
     return Tested(frequency=np.sqrt(np.maximum(square, 0)) / (2 * np.pi), shapes=shapes, losses=losses)
 
 
-def noticed(bench: Bench, made: Tested, seed: int) -> dict[str, Array]:
-    """By response what its pick-up feels of every mode: glued a little crooked, calibrated as its certificate says."""
+def noticed(bench: Bench, made: Tested, fault: Fault | None, seed: int) -> dict[str, Array]:
+    """By response what its pick-up feels of every mode: glued a little crooked, calibrated as its certificate says; or turned
+    altogether, glued along another axis, beside its place or at another one."""
     draw, found = np.random.default_rng([seed, 3]), {}
+    kind, target, size = fault or ("", "", 0.0)
+    channel, _, other = target.partition(" ")
     for point in bench.responses:
         place, axis = point.split(":")
         turned = np.radians(ANGLE) * draw.standard_normal(3)
         turned["xyz".index(axis)] = 1.0
         gain = np.exp(GAIN * draw.standard_normal())
+        if point == channel and kind == "turned":
+            about = np.eye(3)["xyz".index(other)]  # O. Rodrigues
+            turned = (
+                np.cos(size) * turned + np.sin(size) * np.cross(about, turned) + (1 - np.cos(size)) * about * (about @ turned)
+            )
+        if point == channel and kind == "direction":
+            a, b = "xyz".index(axis), "xyz".index(other)
+            turned[[a, b]] = turned[[b, a]]
+        place = {"beside": BESIDE, "moved": other}.get(kind, place) if point == channel else place
         found[point] = gain * sum(t * made.shapes[f"{place}:{a}"] for t, a in zip(turned, "xyz", strict=True))
     return found
 
@@ -330,12 +351,16 @@ def elastic(made: Tested) -> Array:
     return np.flatnonzero(made.frequency > 1e-2 * np.sort(made.frequency)[6] if made.frequency[0] < 0.5 else made.frequency > 0)
 
 
-def mixed(read: Array, bench: Bench, fault: tuple[str, str, float] | None) -> Array:
-    """What is wrong with the channels, (..., c)."""
+def mixed(read: Array, bench: Bench, fault: Fault | None, f: Array) -> Array:
+    """What is wrong with the channels, (n, c), at frequencies `f` (n,)."""
     kind, target, size = fault or ("", "", 0.0)
     read, at = np.array(read), list(bench.responses)
     if kind == "gain":
         read[..., at.index(target)] *= 1 + size
+    if kind == "unit":
+        read[..., at.index(target)] /= STANDARD_GRAVITY
+    if kind == "delay":
+        read[..., at.index(target)] *= np.exp(-2j * np.pi * f * size)
     if kind == "polarity":
         read[..., at.index(target)] *= -1
     if kind == "swap":
@@ -344,14 +369,14 @@ def mixed(read: Array, bench: Bench, fault: tuple[str, str, float] | None) -> Ar
     return read
 
 
-def functions(folder: Path, bench: Bench, fault: tuple[str, str, float] | None, seed: int, csv: bool) -> str:
+def functions(folder: Path, bench: Bench, fault: Fault | None, seed: int, csv: bool) -> str:
     """Accelerances of all drives, as UFF 58 or CSV, and the table of the test."""
     made = tested(bench, fault, seed)
     own = elastic(made)
     low, high = 0.5 * made.frequency[own[0]], (made.frequency[own[bench.modes - 1]] + made.frequency[own[bench.modes]]) / 2
     f = np.linspace(low, high, 600)
     f = np.round(f[1] - f[0], 4) * np.arange(int(low / (f[1] - f[0])), int(high / (f[1] - f[0])))
-    felt, draw = noticed(bench, made, seed), np.random.default_rng([seed, 4])
+    felt, draw = noticed(bench, made, fault, seed), np.random.default_rng([seed, 4])
     receptance = 1 / ((2 * np.pi * made.frequency) ** 2 * (1 + 1j * made.losses) - (2 * np.pi * f[:, None]) ** 2)
     sign = -((2 * np.pi * f[:, None]) ** 2)
     sets, text = [], ["[[test]]", 'kind = "response-functions"', 'article = "own"']
@@ -360,7 +385,7 @@ def functions(folder: Path, bench: Bench, fault: tuple[str, str, float] | None, 
     for drive in bench.drives:
         read = sign * np.array([receptance @ (made.shapes[drive] * felt[one]) for one in bench.responses]).T * cell
         sd = np.hypot(NOISE * np.abs(read), LEVEL * np.median(np.abs(read))) / np.sqrt(2)
-        read = mixed(read, bench, fault) + sd * (draw.standard_normal(read.shape) + 1j * draw.standard_normal(read.shape))
+        read = mixed(read, bench, fault, f) + sd * (draw.standard_normal(read.shape) + 1j * draw.standard_normal(read.shape))
         if csv:
             names = [f"{one} {part}" for one in bench.responses for part in ("real", "imag")]
             columns = np.column_stack([f, np.stack([read.real, read.imag], axis=2).reshape(len(f), -1)])
@@ -404,11 +429,11 @@ def units() -> Any:
     return pyuff.prepare_164(units_code=1, units_description="SI", temp_mode=1, length=1.0, force=1.0, temp=1.0, temp_offset=0.0)
 
 
-def table(folder: Path, bench: Bench, fault: tuple[str, str, float] | None, seed: int) -> str:
+def table(folder: Path, bench: Bench, fault: Fault | None, seed: int) -> str:
     """A table of modes as UFF 55: frequencies to 0.1 %, damping to a tenth, shapes to 2 %."""
     made = tested(bench, fault, seed)
-    own, felt, draw = elastic(made)[: bench.modes], noticed(bench, made, seed), np.random.default_rng([seed, 5])
-    shapes = mixed(np.array([felt[one] for one in bench.responses]).T, bench, fault)[own]
+    own, felt, draw = elastic(made)[: bench.modes], noticed(bench, made, fault, seed), np.random.default_rng([seed, 5])
+    shapes = mixed(np.array([felt[one] for one in bench.responses]).T, bench, fault, made.frequency)[own]
     shapes = shapes / np.abs(shapes).max(axis=1, keepdims=True)
     shapes = shapes + 0.02 * draw.standard_normal(shapes.shape)
     sets, nodes = [units()], list(bench.places)
@@ -649,6 +674,13 @@ def cantilever() -> Bench:
             "joint": ("joint", "left-1@l0:y", 2e-4),
             "gain": ("gain", "r3:z", 0.08),
             "swap": ("swap", "l2:z r2:z", 0.0),
+            "polarity": ("polarity", "l3:z", 0.0),
+            "unit": ("unit", "r1:z", 0.0),
+            "delay": ("delay", "r3:z", 2e-4),
+            "turned": ("turned", "l4:y x", 0.14),
+            "beside": ("beside", "l2:z x", 0.0375),
+            "moved": ("moved", "l2:z l3", 0.0),
+            "direction": ("direction", "l2:y z", 0.0),
         },
     )
 
@@ -708,6 +740,12 @@ def storeys() -> Bench:
             "support": ("support", "foot-2", 0.4),
             "gain": ("gain", "t3:x", 0.08),
             "polarity": ("polarity", "m1:y", 0.0),
+            "unit": ("unit", "t1:x", 0.0),
+            "delay": ("delay", "m3:y", 1e-3),
+            "turned": ("turned", "t2:y z", 0.14),
+            "beside": ("beside", "t3:y x", -0.06),
+            "moved": ("moved", "t3:x m3", 0.0),
+            "direction": ("direction", "m1:x y", 0.0),
         },
     )
 
@@ -757,7 +795,7 @@ def written(folder: Path, case: tuple[str, str, str, int]) -> None:
 TURNS = {"x": "alpha", "y": "beta", "z": "gamma"}
 
 
-def verdict(fault: tuple[str, str, float] | None, answer: Mapping[str, object]) -> str:
+def verdict(fault: Fault | None, answer: Mapping[str, object]) -> str:
     """`quiet`, `named`, `class`, `beside` (more is named with it), `missed`, `wrong`, `unknown` or `refused`."""
     if "refused" in answer:
         return "refused"
@@ -775,13 +813,20 @@ def verdict(fault: tuple[str, str, float] | None, answer: Mapping[str, object]) 
         "joint": [f"connection-compliance:{target.rpartition(':')[0]}:{TURNS.get(target[-1])}"],
         "gain": [f"accelerometer-gain:{channel[0]}"],
         "polarity": [f"polarity:{channel[0]}"],
+        "unit": [f"unit:{channel[0]}"],
+        "delay": [f"accelerometer-delay:{channel[0]}"],
+        "turned": [f"accelerometer-misalignment:{':'.join(channel)}"],
+        "beside": [f"accelerometer-position:{':'.join(channel)}"],
+        "moved": [f"wrong-place:{':'.join(channel)}"],
+        "direction": [f"wrong-direction:{':'.join(channel)}"],
         "swap": [":".join(["channel-swap", *channel]), ":".join(["channel-swap", *channel[::-1]])],
     }[kind]
     if accepted[0] in right and len(accepted) == 1:
         return "named"
     if any(one in right for one in accepted):
         return "beside"
-    alike = [one for each in answer.get("class", []) for one in (each if isinstance(each, list) else [each])]  # type: ignore[attr-defined]
+    alike = [one for each in answer["accepted"] for one in each.get("same", [])]  # type: ignore[attr-defined]
+    alike += [one for each in answer.get("class", []) for one in (each if isinstance(each, list) else [each])]  # type: ignore[attr-defined]
     return "class" if any(one in right for one in alike) else "wrong"
 
 

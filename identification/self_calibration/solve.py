@@ -104,8 +104,8 @@ MOST = 60
 """Evaluations before the iteration is given up."""
 
 HOPE = 10.0
-"""Times what the quadratic model still expects that a fit gains along the worst valley seen. Exercised by
-tests/identification/self_calibration/test_likelihood.py."""
+"""Times what the quadratic model still expects, or what the last step gained, that a fit gains along the worst valley seen.
+Exercised by tests/identification/self_calibration/test_likelihood.py."""
 
 LEAST, HOPELESS = 1e-6, 1e12
 """Damping with which the iteration begins, and with which it is given up."""
@@ -167,7 +167,8 @@ def minimise(
     Where the data, of `size` real numbers, do not fit, standard deviations are larger than they are stated, and so is `close`.
     `cost` is that of `data` alone to the last digit, where it is made sooner than the equations: once a step was refused, others
     are asked for it first until one is taken, and the equations of those that are refused are never made.
-    `worth` is the total cost that the minimum must lie below: it is given up once steps gain next to nothing and that is too far.
+    `worth` is the total cost that the minimum must lie below: it is given up once steps gain next to nothing, or a `HOPE`-th of
+    the way there, and the quadratic model promises as little.
     Once steps gain next to nothing, only the parameters `asked` for count: others may creep in a valley where they say the same.
     """
     room = bounds or (np.full(len(start), -np.inf), np.full(len(start), np.inf))
@@ -185,7 +186,8 @@ def minimise(
             return _solution(here, here.x + here.step(0.0), True, evaluation)
         if gained < NOTHING and here.length(asked) < close * excess(here.data, size):
             return _solution(here, here.x, True, evaluation)
-        if gained < NOTHING and (given_up := _solution(here, here.x, False, evaluation)).beyond_hope(worth):
+        idle = gained < NOTHING or HOPE * gained < here.total.cost - worth
+        if idle and (given_up := _solution(here, here.x, False, evaluation)).beyond_hope(worth):
             return given_up
         step = here.step(damping)
         evaluation += 1

@@ -27,7 +27,7 @@ from identification.self_calibration.solve import inverse
 from validation.diagnose import unexplained_fit as fit
 from validation.diagnose.candidates import DAMPING, OCCAM, PER_OCTAVE, SAME_DIRECTION, band, has_lines
 from validation.diagnose.diagnosis import Candidate, FoundNode
-from validation.diagnose.search import can_restart, fit_with, restarted_from_priors
+from validation.diagnose.search import CandidateFit, can_restart, candidate_fit, fit_with, restarted_from_priors, worth
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import INDISTINGUISHABLE_NATS, at_position, evidence_threshold, position
 from validation.estimation.fit import BREAKDOWNS, FLOOR
@@ -448,19 +448,19 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
     the tolerances as they are declared, too; the best places are fitted, and the mesh is asked again around each with the
     tolerances as they are beside the effect.
     """
-    worth = [one for one in nodes if _is_worth(one)]
-    if not worth:
+    seen = [one for one in nodes if _is_worth(one)]
+    if not seen:
         return ()
     found: dict[str, FoundNode] = {}
-    asked: set[str] = set()
+    asked, tried = set[str](), list[CandidateFit]()
     # All tolerances where they are declared, and what the data then say of them to first order
     cost = cost_of(base.problem, base.fit.parameters, FLOOR, base.problem.start)
     x = cost.at(base.problem.start)
     at_home = replace(base, fit=replace(base.fit, offsets=x, covariance=inverse(cost.total(x)[0].matrix)))
     declared = [one for one in found_nodes(at_home)[1] if _is_worth(one)]
     # A resonator far above the band is a mass, and takes a fit of three sizes: it comes last, where it promises more than those
-    both = [each for some in (worth, declared) for each in [one for one in some if one.kind != RESONATOR][:FITTED]]
-    for one in (*both, *(each for each in worth if each.kind == RESONATOR)):
+    both = [each for some in (seen, declared) for each in [one for one in some if one.kind != RESONATOR][:FITTED]]
+    for one in (*both, *(each for each in seen if each.kind == RESONATOR)):
         kind, here, most = one.kind, one.named, -np.inf
         if kind == RESONATOR and any(one.evidence < each.evidence + INDISTINGUISHABLE_NATS for each in found.values()):
             continue
@@ -470,7 +470,9 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
             asked.add(here.id)
             ready = data.ready_at([here.target])
             start, effect = replace(base, problem=ready.problem(base.effects)), Added(named=here)
-            there = restarted_from_priors(ready, start, effect) if can_restart(effect) else fit_with(ready, start, effect)
+            way, enough = restarted_from_priors if can_restart(effect) else fit_with, worth(base, tried)
+            there = way(ready, start, effect, worth=enough)
+            tried.append(candidate_fit(base, there))
             if there.fit.log_evidence <= most:
                 break
             most, fitted = there.fit.log_evidence, there.effects[-1].named
@@ -478,7 +480,7 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
             gain = most - base.fit.log_evidence - one.looked
             if kind not in found or gain > found[kind].evidence:
                 found[kind] = replace(one, named=fitted, position=place, evidence=gain)
-            if kind == RESONATOR or not fitted.value:
+            if kind == RESONATOR or not fitted.value or there.fit.cost > enough:
                 break
             about = MeshSearch.in_place_of(ready, there, base.fit.cost - there.fit.cost)
             search = next(each for each in about if each.structure.configuration == one.article)

@@ -366,11 +366,12 @@ def _sources(every: Sequence[LowFrequencyReadings], known: Sequence[_KnownFactor
     for c, d in product(range(count), range(count)):
         if of.quantities[c] != of.quantities[d]:
             continue
-        # The factor between reading c and what channel d should read, which of the known ones it is, and its price
+        # The factor between reading c and what channel d should read, if that is more than it may be off by; of known ones which
         products = [(one.reading[:, c], one.expected[:, d], one.level[:, d]) for one in every]
         above = sum(float(np.sum((y * p.conj()).real / level**2)) for y, p, level in products)
         below = sum(float(np.sum(np.abs(p) ** 2 / level**2)) for _, p, level in products)
-        k = above / max(below, TINY)
+        seen = any(np.linalg.norm(one.expected[:, d]) >= np.linalg.norm(one.unsure[:, d]) for one in every)
+        k = above / max(below, TINY) if seen else 1.0
         sign, size = (-1.0 if k < 0 else 1.0), max(abs(k), TINY)
         price = SIGN_PENALTY * (k < 0) + PLUG_PENALTY * (c != d)
         if abs(np.log(size)) < np.log(USUAL):
@@ -384,7 +385,6 @@ def _sources(every: Sequence[LowFrequencyReadings], known: Sequence[_KnownFactor
         best[c, d] = _likelihood(every, c, d, factors[c, d]) - price
     right = np.array([_likelihood(every, c, c, 1.0) for c in range(count)])
     stays = right >= np.diagonal(best)
-    best[stays, stays] = right[stays]
     for c in np.flatnonzero(stays).tolist():
         best[c, c], factors[c, c], units[c, c] = right[c], 1.0, -1
     plugs = best.argmax(axis=1)

@@ -130,17 +130,18 @@ def is_significant(of: Candidate) -> bool:
     return not found or any(abs(x) > SIGNIFICANT * sd > 0 for x, sd in found)
 
 
-def fit_with(data: Study, at: Candidate, added: Added, *, begin: Fit | None = None) -> Candidate:
+def fit_with(data: Study, at: Candidate, added: Added, *, begin: Fit | None = None, worth: float = inf) -> Candidate:
     """`at` with the effect `added` as well, all sizes free; it never costs more.
 
     Parameters
     ----------
     begin : a rough fit of the same, from which it starts; `at` by default
+    worth : cost below which it matters
     """
     effects = (*at.effects, added)
     problem = data.problem(effects)
     start = _start(data, added) if begin is None else begin.by_name
-    found = child(problem, FITTED, at.fit, start)
+    found = child(problem, FITTED, at.fit, start, worth=worth)
     return recentred(data, Candidate(effects=effects, fit=found, problem=problem))
 
 
@@ -184,10 +185,10 @@ def can_restart(added: Added) -> bool:
     return not (added.fixed or swings) and len(added.named.fitted_sizes) == 1
 
 
-def restarted_from_priors(data: Study, at: Candidate, added: Added | None = None) -> Candidate:
+def restarted_from_priors(data: Study, at: Candidate, added: Added | None = None, *, worth: float = inf) -> Candidate:
     """`at`, with the effect `added` as well where one is given, all tolerances restarted from their priors; it never costs more.
 
-    A tolerance that absorbed an effect may stay in a local minimum when that is found.
+    A tolerance that absorbed an effect may stay in a local minimum when that is found. `worth` as in `fit_with`.
     """
     if added is None:
         home = _declared(at.problem, at.fit)
@@ -210,7 +211,8 @@ def restarted_from_priors(data: Study, at: Candidate, added: Added | None = None
                 return inf
 
         begin = home | {which: min(map(float, sizes(coarse.by_name[which])), key=looked)}
-    return recentred(data, Candidate(effects=effects, fit=child(problem, FITTED, at.fit, begin, from_afar=True), problem=problem))
+    found = child(problem, FITTED, at.fit, begin, from_afar=True, worth=worth)
+    return recentred(data, Candidate(effects=effects, fit=found, problem=problem))
 
 
 FROM_AFAR = 0.25
@@ -226,19 +228,18 @@ def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: 
     """
     asked = [one for one in menu if FAMILIES[one.named.family].side == STRUCTURE and can_restart(one)]
     without = child(at.problem.sparser(STRIDE), PLAIN, at.fit, _declared(at.problem, at.fit), floor=COARSE[0])
-    found: list[tuple[float, Added, Fit]] = []
+    nearest: list[tuple[float, Added, Fit]] = []
     for done, added in enumerate(asked):
         progress("looking from afar for what keeps the model from converging", done / len(asked))
         problem = data.problem((*at.effects, added)).sparser(STRIDE)
         (which,) = (name(added.named, size.key) for size in added.named.fitted_sizes)
-        size = problem.by_name[which]
-        for begin in (FROM_AFAR * size.tolerance, -FROM_AFAR * size.tolerance):
-            if size.low < begin < size.high:
-                fit = child(problem, PLAIN, without, {which: begin}, floor=COARSE[0])
-                found.append((fit.cost, added, fit))
-    nearest = {one[1].named.id: one for one in sorted(found, key=lambda one: -one[0])}  # the cheapest of each
+        size, enough = problem.by_name[which], nearest[FEW - 1][0] if len(nearest) >= FEW else inf
+        begins = [begin for begin in (FROM_AFAR * size.tolerance, -FROM_AFAR * size.tolerance) if size.low < begin < size.high]
+        fits = [child(problem, PLAIN, without, {which: begin}, floor=COARSE[0], worth=enough) for begin in begins]
+        nearest += [(fit.cost, added, fit) for fit in sorted(fits, key=lambda fit: fit.cost)[:1]]
+        nearest.sort(key=lambda one: one[0])
     tried, least = list[CandidateFit](), inf
-    for cost, added, fit in sorted(nearest.values(), key=lambda one: one[0])[:FEW]:
+    for cost, added, fit in nearest[:FEW]:
         if any(one.goodness.null for one in tried) and cost > least + INDISTINGUISHABLE_NATS:
             break
         least = cost
@@ -249,9 +250,8 @@ def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: 
         if whole.converged:
             tried.append(candidate_fit(at, recentred(data, Candidate(effects=effects, fit=whole, problem=problem))))
     tried, here = ranked(tried), goodness_of_fit(at.fit, at.problem)
-    good = bool(tried) and is_accepted(tried[0])
-    screened = screen(data, at, menu)
-    return SearchStep(at=at, goodness=here, screened=screened, tried=tuple(tried), added=tried[0].id if good else "")
+    best = tried[0].id if tried and is_accepted(tried[0]) else ""
+    return SearchStep(at=at, goodness=here, screened=screen(data, at, menu), tried=tuple(tried), added=best)
 
 
 def _declared(problem: Problem, fit: Fit) -> dict[str, float]:
@@ -372,6 +372,18 @@ def candidate_fit(at: Candidate, there: Candidate) -> CandidateFit:
     )
 
 
+def worth(at: Candidate, tried: Sequence[CandidateFit]) -> float:
+    """Cost below which one more fit of an effect beside `at` would matter beside those that were `tried`.
+
+    What a fit takes off the cost is more than its evidence. One that cannot be within `SCREENING_MARGIN` of a best that is all
+    that is needed, or bring `GOOD_PART` of another one, is neither the best nor a rival of it.
+    """
+    best = max(tried, key=lambda one: one.evidence, default=None)
+    if best is None:
+        return inf
+    return at.fit.cost - (best.evidence - SCREENING_MARGIN if best.goodness.null else GOOD_PART * best.evidence)
+
+
 def ranked(tried: Sequence[CandidateFit]) -> list[CandidateFit]:
     """The best fit of each candidate, the most evidence first; of those that tie for it the first by name, not by rounding."""
     by_id: dict[str, CandidateFit] = {}
@@ -438,13 +450,18 @@ def backward_elimination(
             added = next(one for one in at.effects if one.named.id == which)
             left = tuple(one for one in at.effects if one is not added)
             problem = data.problem(left)
+            asks = evidence_threshold(added.named.family)
             try:
-                fit = found.at.fit if alone else nearby(problem, FITTED, at.fit.by_name)
+                fit = (
+                    found.at.fit
+                    if alone
+                    else nearby(problem, FITTED, at.fit.by_name, worth=at.fit.cost + asks + SCREENING_MARGIN)
+                )
             except CheckFailed:  # there is nothing to hold it against
                 continue
             rest = recentred(data, Candidate(effects=left, fit=fit, problem=problem))
             evidence = at.fit.log_evidence - rest.fit.log_evidence
-            if evidence < evidence_threshold(added.named.family):
+            if evidence < asks:
                 at = rest
                 continue
             last = replace(at, effects=(*left, added))
@@ -455,18 +472,19 @@ def backward_elimination(
             study, moved = _moved(data, rest, there, elsewhere)
             tried = [there, *(() if moved is there else (moved,))]
             for one in near[:FITS_OF_A_STEP]:
-                rival = candidate_fit(rest, _fit_in_place(data, at, rest, _at_sizes(one.added, added)))
+                again = _at_sizes(one.added, added)
+                rival = candidate_fit(rest, _fit_in_place(data, at, rest, again, worth=worth(rest, tried)))
                 if in_band(data, rival) and (is_accepted(rival) or rival.evidence <= evidence):
                     tried.append(rival)
             tried = ranked(tried)
             if alone and tried[0] is there:
                 continue
             stands = goodness_of_fit(rest.fit, rest.problem)
-            again = replace(found, at=rest, goodness=stands, tried=tuple(tried), added=tried[0].id, reconsidered=which)
+            led = replace(found, at=rest, goodness=stands, tried=tuple(tried), added=tried[0].id, reconsidered=which)
             at = at if tried[0] is there else tried[0].candidate
             data = study if tried[0] is moved else data
-            known[again.added] = again
-            asked.append(again)
+            known[led.added] = led
+            asked.append(led)
     return data, at, tuple(asked)
 
 
@@ -480,7 +498,10 @@ def _moved(data: Study, rest: Candidate, there: CandidateFit, elsewhere: Elsewhe
         ready = found[0][0]  # all are held against each other over the same coordinates
         rest, here = (_over(ready, data, one) for one in (rest, end.candidate))
         brought = candidate_fit(rest, here).evidence
-        fits = [(candidate_fit(rest, _fit_in_place(ready, here, rest, added)), cost) for _, added, cost in found]
+        fits = []
+        for _, added, cost in found:
+            enough = rest.fit.cost - brought - cost
+            fits.append((candidate_fit(rest, _fit_in_place(ready, here, rest, added, worth=enough)), cost))
         ends = [(one.evidence - cost - brought, one) for one, cost in fits if is_accepted(one)]
         gained, best = max(ends, key=lambda one: one[0], default=(0.0, end))
         if gained <= SAME_NATS:
@@ -497,13 +518,14 @@ def _over(ready: Study, data: Study, of: Candidate) -> Candidate:
     return recentred(ready, replace(of, fit=child(problem, FITTED, of.fit, of.fit.by_name), problem=problem))
 
 
-def _fit_in_place(data: Study, at: Candidate, rest: Candidate, added: Added) -> Candidate:
-    """`rest` with the effect `added` as well, from where `at` ended with another in its place."""
+def _fit_in_place(data: Study, at: Candidate, rest: Candidate, added: Added, *, worth: float = inf) -> Candidate:
+    """`rest` with the effect `added` as well, from where `at` ended with another in its place; `worth` as in `fit_with`."""
     effects = (*rest.effects, added)
     problem = data.problem(effects)
     same = {one.name for one in at.fit.parameters if (new := problem.by_name.get(one.name)) and new.kind == one.kind}
     start = {which: x for which, x in _offsets_in(problem, at.fit).items() if which in same} | _start(data, added)
-    return recentred(data, Candidate(effects=effects, fit=child(problem, FITTED, rest.fit, start), problem=problem))
+    found = child(problem, FITTED, rest.fit, start, worth=worth)
+    return recentred(data, Candidate(effects=effects, fit=found, problem=problem))
 
 
 def _ids(of: Candidate) -> tuple[str, ...]:
@@ -648,9 +670,9 @@ def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress,
         progress(f"telling {tried[0].id} from {len(rivals)} others", 0.9)
         more = []
         for one in rivals:
-            rival = candidate_fit(at, fit_with(data, at, one))
+            rival = candidate_fit(at, fit_with(data, at, one, worth=worth(at, tried)))
             if rival.evidence < KEPT_SHARE * tried[0].evidence:
-                there = candidate_fit(at, _fit_in_place(data, tried[0].candidate, at, one))
+                there = candidate_fit(at, _fit_in_place(data, tried[0].candidate, at, one, worth=worth(at, tried)))
                 rival = max(rival, there, key=lambda each: each.evidence)
             more.append(rival)
         may = [one for one in more if in_band(data, one) and (is_accepted(one) or one.evidence <= tried[0].evidence)]
@@ -679,7 +701,7 @@ def _local_fits(
         if here.null and one.evidence < evidence_threshold(one.added.named.family) - NULL_MARGIN:
             continue
         progress(f"trying {one.id}", len(tried) / FITS_OF_A_STEP)
-        tried.append(candidate_fit(at, fit_with(data, at, one.added)))
+        tried.append(candidate_fit(at, fit_with(data, at, one.added, worth=worth(at, tried))))
     return tried
 
 
@@ -691,16 +713,17 @@ def _rough_fits(
     They are for effects in which the model is nonlinear. The score test overrates these, so that a rough fit starts at its size
     and at a part of that.
     """
-    rough, promising = [], _most_promising(found)
+    rough, promising = list[tuple[Added, Fit]](), _most_promising(found)
     for done, one in enumerate(promising):
         progress(f"trying {one.id} from afar", done / (len(promising) + FEW))
         problem = data.problem((*at.effects, one.added)).sparser(STRIDE)
         starts = [_start(data, one.added)]
         if starts[0] and not is_resonator(one.added.named):
             starts.append({name: FROM_AFAR * x for name, x in starts[0].items()})
-        fits = [child(problem, FITTED, at.fit, begin, from_afar=True) for begin in starts]
+        enough = rough[FEW - 1][1].cost + SCREENING_MARGIN if len(rough) >= FEW else inf
+        fits = [child(problem, FITTED, at.fit, begin, from_afar=True, worth=enough) for begin in starts]
         rough.append((one.added, min(fits, key=lambda fit: fit.cost)))
-    rough.sort(key=lambda each: -each[1].log_evidence)
+        rough.sort(key=lambda each: -each[1].log_evidence)
     return [candidate_fit(at, fit_with(data, at, added, begin=begin)) for added, begin in rough[:FEW]]
 
 
@@ -737,7 +760,7 @@ def _restarted_where_stuck(
         begins += _resonators_at_home(data, at, found)[:FEW]
     for added in begins:
         progress(f"trying {added.named.id} afresh", 0.8)
-        ranked.append(candidate_fit(at, restarted_from_priors(data, at, added)))
+        ranked.append(candidate_fit(at, restarted_from_priors(data, at, added, worth=worth(at, ranked))))
     best = {one.id: one for one in sorted(ranked, key=lambda each: each.evidence) if in_band(data, one)}
     return sorted(best.values(), key=lambda each: -each.evidence)
 

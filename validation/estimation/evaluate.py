@@ -409,7 +409,7 @@ def evaluate(
     elif before is not None:
         plain = child(known, PLAIN, before, every.by_name)
     else:
-        plain = nearby(known, PLAIN, every.by_name, lambda share: tell(0.5 + 0.25 * share), floor=floor)
+        plain = nearby(known, PLAIN, every.by_name, floor=floor)
     offsets = {**problem.start, **plain.by_name}
     parts: list[tuple[Fold, Offsets]]
     if apart is not None:

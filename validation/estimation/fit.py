@@ -23,7 +23,7 @@ import numpy.typing as npt
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.toml_file import nearest
-from identification.self_calibration.solve import CLOSE, MOST, Normal, Solution, inverse, minimise
+from identification.self_calibration.solve import CLOSE, HOPE, MOST, Normal, Solution, inverse, minimise
 from validation.estimation.likelihood import Cost, cost_of, log_evidence
 from validation.estimation.problem import (
     DECLARED,
@@ -129,7 +129,9 @@ def annealed(
 ) -> End:
     """From `offsets` through floors that fall to that of `cost`; tolerances of the measurement are released half-way.
 
-    At the last floor it takes at most `most` evaluations before it begins again, at most `again` times, see `direct`.
+    At the last floor it takes at most `most` evaluations before it begins again, at most `again` times, see `direct`; not at all
+    where chance will not explain what is left even over the coarsest floor: such valleys have no end. Fewer lines over a coarser
+    floor cost less: once all moves that does, the first stage that cannot come below what is worth it is the end.
 
     Parameters
     ----------
@@ -146,6 +148,7 @@ def annealed(
     for done, (floor, everything) in enumerate(stages):
         moving = tuple(one for one in cost.free if everything or one.kind not in (SENSOR, STRUCTURAL))
         stage = replace(cost, problem=sparse, observed=(), free=moving, floor=floor, base={**cost.base, **found})
+        stage = replace(stage, worth=cost.worth if everything else inf)
         others = _elsewhere(stage, found) if everywhere and not done else []
         steps = 2 * STEPS if others else STEPS
         ends = [descent(stage, found, close=ROUGHLY, most=steps)]
@@ -156,6 +159,10 @@ def annealed(
         if near is not None and ends[0].normal.cost < best.normal.cost + RESTART_GAIN:
             return near
         found, near = found | stage.offsets(best.seen), None
+        if best.beyond_hope(stage.worth):
+            return ended(cost, found, converged=False)
+        if not done and not by_chance(2 * best.data.cost - HOPE * best.decrement**2, stage.size(best.seen)):
+            again = 0
         progress((done + 1) / (len(stages) + 2))
     return direct(cost, found, progress, most=most, again=again)
 
@@ -198,7 +205,8 @@ def direct(
 
     A whole beginning that gains next to nothing ends it, too. How far the quadratic model would still like to go is not asked:
     where the data do not fit, its second derivatives lack what the misfit adds, it points along a valley for ever, or past a
-    bound of what a model declares.
+    bound of what a model declares. Nor does it begin again where all times that are left, each gaining as much as the last, would
+    not bring it below what is worth it.
 
     Parameters
     ----------
@@ -211,13 +219,13 @@ def direct(
     CheckFailed : the model breaks down where it begins.
     """
     solution = descent(cost, offsets, close=close, most=most)
-    converged = solution.converged
-    for _ in range(again):
-        if converged:
+    converged, hopeless = solution.converged, solution.beyond_hope(cost.worth)
+    for left in reversed(range(again)):
+        if converged or hopeless:
             break
         before, solution = solution, descent(cost, cost.offsets(solution.seen), close=close, most=most)
         gained = before.normal.cost - solution.normal.cost
-        idle = gained < RESTART_GAIN
+        idle, hopeless = gained < RESTART_GAIN, solution.normal.cost - left * gained > cost.worth
         converged = solution.converged or (idle and solution.evaluations >= most)
         if idle:
             break
@@ -274,8 +282,8 @@ def descent(cost: Cost, offsets: Offsets, *, close: float = CLOSE, most: int) ->
         whole, data, _ = cost.total(start)
         return Solution(x=start, seen=start, normal=whole, data=data, converged=True, decrement=0.0, evaluations=1)
     try:
-        size, bounds = cost.size(start), cost.bounds
-        return minimise(cost.data, start, cost.knowledge, close=close, most=most, size=size, bounds=bounds, cost=cost.misfit)
+        size, bounds, of = cost.size(start), cost.bounds, (cost.data, start, cost.knowledge)
+        return minimise(*of, close=close, most=most, size=size, bounds=bounds, cost=cost.misfit, worth=cost.worth)
     except BREAKDOWNS as error:
         raise CheckFailed(f"the model breaks down where its fit begins: {error}") from error
 
@@ -357,6 +365,7 @@ def child(
     from_afar: bool = False,
     floor: float | None = None,
     close: float = CLOSE,
+    worth: float = inf,
 ) -> Fit:
     """The fit of `problem`, which has more parameters than that of its `parent`, by a single way; it never costs more.
 
@@ -365,9 +374,10 @@ def child(
     start : offsets at which the way begins; what is not named begins where the parent ended, or where it has no effect
     from_afar : whether the floor is annealed on the way, instead of straight down
     close : [sd] that the last step straight down may be
+    worth : as of `Cost`; at most what its parent costs
     """
     cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor, plain=SENSOR not in kinds)
-    null = parents_point(cost.free, parent)
+    cost, null = replace(cost, worth=min(worth, parent.cost)), parents_point(cost.free, parent)
     try:
         begin = {**null, **start}
         if from_afar:
@@ -381,24 +391,21 @@ def child(
     return fitted(end)
 
 
-def nearby(
-    problem: Problem, kinds: Sequence[str], start: Offsets, progress: Progress | None = None, *, floor: float | None = None
-) -> Fit:
-    """The fit to which the way leads straight down from `start`, as far as it ends; `floor` as in `fit`.
+def nearby(problem: Problem, kinds: Sequence[str], start: Offsets, *, floor: float | None = None, worth: float = inf) -> Fit:
+    """The fit to which the way leads straight down from `start`, as far as it ends; `floor` as in `fit`, `worth` of `Cost`.
 
     Raises
     ------
     CheckFailed : the model breaks down where it begins.
     """
     cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor, plain=SENSOR not in kinds)
-    return fitted(direct(cost, start, progress or (lambda share: None)))
+    return fitted(direct(replace(cost, worth=worth), start, lambda share: None))
 
 
 def unfitted(problem: Problem, kinds: Sequence[str], offsets: Offsets) -> Fit:
     """The parameters of `kinds` as they stand at `offsets`, with what the data say there; nothing was fitted, nor converged."""
-    return fitted(
-        ended(cost_of(problem, problem.free(kinds), floor_of(kinds), plain=SENSOR not in kinds), offsets, converged=False)
-    )
+    cost = cost_of(problem, problem.free(kinds), floor_of(kinds), plain=SENSOR not in kinds)
+    return fitted(ended(cost, offsets, converged=False))
 
 
 def floor_of(kinds: Sequence[str]) -> float:

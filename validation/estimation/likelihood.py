@@ -204,6 +204,7 @@ class Cost:
     base : offsets at which the others stand, those of the model where nothing is said
     held : parameters of the fit that stand at a bound; what is known of them counts
     plain : whether declared parameters stay within what a plain fit allows them
+    worth : that the end of a way must lie below to matter; the way is given up where it will not come there
     """
 
     problem: Problem
@@ -212,6 +213,7 @@ class Cost:
     base: Offsets = field(default_factory=lambda: NOTHING)
     held: tuple[Parameter, ...] = ()
     plain: bool = False
+    worth: float = np.inf
     observed: tuple[tuple[Prediction, Lines, ObservedLines], ...] = field(default=(), repr=False)
 
     def __post_init__(self) -> None:

@@ -132,8 +132,10 @@ loss_factor = 0.02
 """
 
 
-@pytest.mark.parametrize("mistake", [(), ("polarity:tip-x",)])
-def test_a_channel_that_hears_of_the_force_by_its_slant_alone_has_no_mistake(mistake: tuple[str, ...], tmp_path: Path) -> None:
+@pytest.mark.parametrize("mistake", [(), ("polarity:tip-x",), ("wrong-direction:tip-y:x",)])
+def test_a_channel_that_hears_of_the_force_by_its_slant_alone_has_no_mistake_but_a_direction_of_its_own(
+    mistake: tuple[str, ...], tmp_path: Path
+) -> None:
     (tmp_path / "arm.toml").write_text(ARM)
     turned = tuple(f"accelerometer-misalignment:{channel}:z=0.012" for channel in ("half-y", "tip-y"))  # within tolerance
     responses, drives = ("third:x", "half:x", "tip:x", "half:y", "tip:y"), ("tip:x", "third:x")

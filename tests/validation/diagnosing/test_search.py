@@ -108,6 +108,14 @@ def test_of_two_fits_of_one_candidate_the_better_counts():
     assert search.ranked([first, second, other]) == [second, other]
 
 
+def test_a_fit_is_worth_its_end_where_it_may_be_the_best_or_a_rival_of_it():
+    """Beside a best that is all that is needed a few nats decide, beside another one a part of what it brings."""
+    other = ended(MASSES[1], 40.0)
+    assert search.worth(HERE, []) == np.inf
+    assert search.worth(HERE, [other, ended(MASSES[0], 900.0, null=True)]) == 100.0 + search.SCREENING_MARGIN
+    assert search.worth(HERE, [other, ended(MASSES[0], 900.0)]) == 1000.0 - search.GOOD_PART * 900.0
+
+
 def test_names_that_tie_to_the_last_digit_are_one_name_whichever_way_rounding_fell():
     """A mass rides as well on either of two bolts of a rigid flange; 0.3 nats, of which nobody makes anything, are no tie."""
     one, other, near = (
@@ -161,16 +169,18 @@ def unstuck(
     found = [replace(screened(f"{one.id}=1")[0], evidence=promise) for one, promise in zip(of, promises, strict=True)]
     by_id, asked = {one.id: one for one in of}, []
 
-    def again(bench: object, at: object, added: Added) -> str:
+    def again(bench: object, at: object, added: Added, **_: float) -> str:
         asked.append(added.named.id)
         return added.named.id
 
     monkeypatch.setattr(search, "restarted_from_priors", again)
     monkeypatch.setattr(search, "candidate_fit", lambda at, id: replace(by_id[id], evidence=by_id[id].evidence + gain))
-    nobody: Any = None
-    best_first = search._restarted_where_stuck(BAND, nobody, stands(null), of, found, lambda what, share: None)
+    best_first = search._restarted_where_stuck(BAND, HERE, stands(null), of, found, lambda what, share: None)
     return best_first, asked
 
+
+HERE: Any = SimpleNamespace(fit=SimpleNamespace(cost=1000.0), problem=None)
+"""Where a step begins."""
 
 MASSES = tuple(f"point-mass:{one}=0.1" for one in ("mast-top", "hub-3", "hub-4", "hub-1"))
 
@@ -190,10 +200,10 @@ def test_resonators_are_tried_afresh_where_tolerances_stand_absurdly_far_off(mon
     found = [replace(screened(MASSES[0])[0], evidence=0.0)]
     named = replace(of, id=right.named.id, evidence=494.0, candidate=SimpleNamespace(effects=(right,)))
     monkeypatch.setattr(search, "_resonators_at_home", lambda bench, at, told: [right])
-    monkeypatch.setattr(search, "restarted_from_priors", lambda bench, at, added: added)
+    monkeypatch.setattr(search, "restarted_from_priors", lambda bench, at, added, **_: added)
     monkeypatch.setattr(search, "candidate_fit", lambda at, there: named)
-    nobody, here = None, SimpleNamespace(null=False, largest=largest)
-    some: Any = search._restarted_where_stuck(BAND, nobody, here, [of], found, lambda what, share: None)
+    here: Any = SimpleNamespace(null=False, largest=largest)
+    some: Any = search._restarted_where_stuck(BAND, HERE, here, [of], found, lambda what, share: None)
     assert [one.id for one in some] == [right.named.id, of.id][not afresh :]
 
 
@@ -208,7 +218,7 @@ def test_beside_a_table_of_modes_no_resonator_is_tried_afresh_however_far_tolera
     of, nobody = ended(MASSES[0], 39.0), SimpleNamespace(problem=SimpleNamespace(parameters=()))
     at: Any = Candidate(effects=(), fit=replace(fitted(), parameters=()), problem=nobody.problem)
     found = [replace(screened(MASSES[0])[0], evidence=0.0)]
-    monkeypatch.setattr(search, "restarted_from_priors", lambda bench, at, added: added)
+    monkeypatch.setattr(search, "restarted_from_priors", lambda bench, at, added, **_: added)
     tables: Any = SimpleNamespace(made=(), tests=())  # a fit of resonators would ask for a problem
     here: Any = SimpleNamespace(null=False, largest=search.ABSURD + 0.1)
     some = search._restarted_where_stuck(tables, at, here, [of], found, lambda what, share: None)
@@ -225,7 +235,7 @@ def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch, here
 
 
 def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_asks_for_less(monkeypatch):
-    monkeypatch.setattr(search, "fit_with", lambda bench, at, added: added.named.id)
+    monkeypatch.setattr(search, "fit_with", lambda bench, at, added, **_: added.named.id)
     monkeypatch.setattr(search, "candidate_fit", lambda at, id: ended(f"{id}=0.1", 1.0))
     found = screened("structural-damping:mast=0.02", "force-gain:fmd-z2=0.02", evidence=15.0)
     assert (
@@ -235,13 +245,13 @@ def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_ask
         > evidence_threshold("force-gain") - search.NULL_MARGIN
     )
     nobody: Any = None
-    tried_ones = search._local_fits(nobody, nobody, stands(null=True), found, lambda what, share: None)
+    tried_ones = search._local_fits(nobody, HERE, stands(null=True), found, lambda what, share: None)
     assert [one.id for one in tried_ones] == ["force-gain:fmd-z2"]
     asked = evidence_threshold("force-gain")
     for short, count in ((0.9, 1), (1.1, 0)):  # a nat is what a straight line may err
         near = screened("force-gain:fmd-z2=0.02", evidence=asked - short)
-        assert len(search._local_fits(nobody, nobody, stands(null=True), near, lambda what, share: None)) == count
-    both = search._local_fits(nobody, nobody, stands(null=False), found, lambda what, share: None)
+        assert len(search._local_fits(nobody, HERE, stands(null=True), near, lambda what, share: None)) == count
+    both = search._local_fits(nobody, HERE, stands(null=False), found, lambda what, share: None)
     assert [one.id for one in both] == ["structural-damping:mast", "force-gain:fmd-z2"]
 
 
@@ -254,11 +264,10 @@ def test_a_rival_that_keeps_less_than_half_of_the_best_is_fitted_from_where_that
     monkeypatch.setattr(search, "_fits_in_band", lambda bench, found, fits: ([best], ()))
     monkeypatch.setattr(search, "is_significant", lambda of: True)
     monkeypatch.setattr(search, "_rivals", lambda tried, menu, found, *, again: [rival])
-    monkeypatch.setattr(search, "fit_with", lambda bench, at, added: straight)
-    monkeypatch.setattr(search, "_fit_in_place", lambda bench, best, at, added: again)
+    monkeypatch.setattr(search, "fit_with", lambda bench, at, added, **_: straight)
+    monkeypatch.setattr(search, "_fit_in_place", lambda bench, best, at, added, **_: again)
     monkeypatch.setattr(search, "candidate_fit", lambda at, evidence: ended(MASSES[1], evidence))
-    nobody: Any = SimpleNamespace(fit=None, problem=None)
-    step = search._step(nobody, nobody, [rival], lambda what, share: None)
+    step = search._step(HERE, HERE, [rival], lambda what, share: None)
     assert [(one.id, one.evidence) for one in step.tried] == [(best.id, 100.0), (rival.named.id, kept)]
 
 
@@ -289,7 +298,7 @@ STANDS: Any = SimpleNamespace(null=True)
 
 def hypothesis(*effect_ids: str, evidence: float) -> Candidate:
     """A fit of such effects."""
-    fit: Any = SimpleNamespace(log_evidence=evidence, by_name={})
+    fit: Any = SimpleNamespace(log_evidence=evidence, cost=-evidence, by_name={})
     return Candidate(effects=tuple(Added(named=parse(f"{id}=0.3")) for id in effect_ids), fit=fit, problem=NOBODY)
 
 
@@ -312,7 +321,7 @@ def asked(
     """What comes of it where fits of effects end at the evidence `worth`; and what was fitted instead."""
     fitted: list[str] = []
 
-    def instead(bench: object, of: Candidate, rest: Candidate, added: Added) -> Candidate:
+    def instead(bench: object, of: Candidate, rest: Candidate, added: Added, **_: float) -> Candidate:
         effect_ids = [*(one.named.id for one in rest.effects), added.named.id]
         fitted.append(added.named.id)
         return hypothesis(*effect_ids, evidence=worth[tuple(sorted(effect_ids))])
@@ -321,7 +330,7 @@ def asked(
         rest = [one.named.id for one in of.effects]
         return hypothesis(*rest, evidence=worth[tuple(sorted(rest))])
 
-    monkeypatch.setattr(search, "nearby", lambda problem, free, offsets: None)
+    monkeypatch.setattr(search, "nearby", lambda problem, free, offsets, **_: None)
     monkeypatch.setattr(search, "recentred", without)
     monkeypatch.setattr(search, "_fit_in_place", instead)
     monkeypatch.setattr(search, "is_significant", lambda of: True)
@@ -413,7 +422,7 @@ def test_no_name_is_taken_that_is_not_worth_it_or_does_not_stay_what_it_is(monke
 
 
 def test_what_has_nothing_to_be_held_against_stays(monkeypatch):
-    def breaks(problem, free, offsets):
+    def breaks(problem, free, offsets, **_):
         raise CheckFailed("the model breaks down")
 
     monkeypatch.setattr(search, "nearby", breaks)

@@ -7,8 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput, CheckFailed
+from identification.self_calibration.solve import Normal, Solution, minimise
 from validation.estimation import fit as fit_module
-from validation.estimation.fit import FLOOR, PLAIN_FLOOR, annealed, direct, fit, parents_point, start
+from validation.estimation.fit import FINE, FLOOR, PLAIN_FLOOR, STRIDE, annealed, direct, fit, parents_point, start
 from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import (
     DECLARED,
@@ -64,6 +65,72 @@ def test_nothing_free_is_the_model_as_it_stands(lab):
     assert found.parameters == ()
     assert_allclose(found.chi2, 2 * cost.data(np.zeros(0)).cost, rtol=1e-12)
     assert cost.offsets(np.zeros(0))["offset"] == 0.2
+
+
+def test_few_lines_over_a_coarser_floor_cost_less_wherever_the_parameters_stand(lab):
+    """By which a fit that cannot win is known before it is dear."""
+    problem, rng = Problem((lab.toy(TRUTH),)), np.random.default_rng(4)
+    free = problem.free(FITTED)
+    for _ in range(20):
+        x = rng.standard_normal(len(free)) * [one.tolerance for one in free]
+        costs = [
+            cost_of(of, free, floor).total(x)[0].cost
+            for of, floor in ((problem.sparser(STRIDE), FINE[-1]), (problem.sparser(STRIDE), FLOOR), (problem, FLOOR))
+        ]
+        assert costs == sorted(costs)
+
+
+def test_a_way_that_cannot_come_below_what_it_is_worth_is_given_up_and_another_ends_where_it_did(lab, monkeypatch):
+    evaluations = []
+
+    def counted(*args, **more):
+        found = minimise(*args, **more)
+        evaluations[-1] += found.evaluations
+        return found
+
+    monkeypatch.setattr(fit_module, "minimise", counted)
+    problem = Problem((lab.toy({**TRUTH, "offset": 20.0}, acting=(lab.effect("offset", 1.0),)),))
+
+    def ended(worth):
+        evaluations.append(0)
+        cost = replace(cost_of(problem, problem.free(FITTED), FLOOR), worth=worth)
+        return annealed(cost, {}, lambda share: None)
+
+    whole = ended(np.inf)
+    assert whole.converged
+    assert_allclose(ended(whole.whole.cost + 0.1).whole.cost, whole.whole.cost, rtol=1e-12)
+    hopeless = ended(0.1 * whole.whole.cost)
+    assert not hopeless.converged
+    assert evaluations[2] < 0.7 * evaluations[1] == 0.7 * evaluations[0]
+
+
+def test_a_descent_begins_again_only_while_that_may_bring_it_below_what_it_is_worth(lab, monkeypatch):
+    """Gains of 40 and 30 leave 830: four more of 30 do not come below 700, and do below 720."""
+    begun = []
+    problem = Problem((lab.toy(TRUTH),))
+
+    def descent(cost, offsets, **more):
+        begun.append(min(len(begun), 2))
+        normal = Normal(cost=(900.0, 860.0, 830.0)[begun[-1]], gradient=np.zeros(len(cost.free)), matrix=np.eye(len(cost.free)))
+        at = cost.at(offsets)
+        return Solution(x=at, seen=at, normal=normal, data=normal, converged=False, decrement=20.0, evaluations=1)
+
+    monkeypatch.setattr(fit_module, "descent", descent)
+    for worth, times in ((700.0, 3), (720.0, 4)):
+        begun.clear()
+        direct(replace(cost_of(problem, problem.free(FITTED), FLOOR), worth=worth), {}, lambda share: None)
+        assert len(begun) == times
+
+
+@pytest.mark.parametrize(("off", "times"), [(0.02, 6), (0.4, 0)])
+def test_what_contradicts_the_data_even_over_the_coarsest_floor_begins_no_descent_again(lab, monkeypatch, off, times):
+    """Where a bearing had a twelfth of its stiffness six beginnings led nowhere."""
+    asked = []
+    problem = Problem((lab.toy({**TRUTH, "frequency:one": off}),))
+    monkeypatch.setattr(fit_module, "direct", lambda cost, offsets, progress, *, most, again: asked.append(again))
+    still = tuple(one for one in problem.free(FITTED) if one.name != "frequency:one")
+    annealed(cost_of(problem, still, FLOOR), {}, lambda share: None)
+    assert asked == [times]
 
 
 def test_declared_parameters_of_a_plain_fit_stop_at_their_bounds_and_the_others_make_up_for_it(lab):
