@@ -12,7 +12,6 @@ from validation.output import from_json, plain_unit
 from validation.report.flexible import cells
 from validation.verification.check import FAMILIES, CheckResult, checks
 
-
 LONG = ("solids", "rods")
 """Half of the time of the table: their rows are held by `make proof`, and on coarser meshes by `test_rows_can_fail.py`."""
 
