@@ -84,6 +84,7 @@ def test_a_convergence_study_prints_frequencies_that_fall_and_a_verdict(
     assert re.search(r"the worst, mode \d at [\d.]+ Hz \(plate\), is [\d.]+% from its", text)
 
 
+@pytest.mark.proof  # the script; its two routes are held in short by virtual_test/test_closure.py
 def test_the_closure_example_finds_the_model_again_axis_by_axis(root: Path) -> None:
     printed = io.StringIO()
     main = runpy.run_path(str(root / "examples" / "closure.py"))["main"]

@@ -6,7 +6,7 @@ import numpy as np
 import pint
 import pytest
 import trimesh
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from uncertainties import UFloat
@@ -179,6 +179,7 @@ def test_the_rounding_that_is_left_of_a_zero_is_zero(text: str) -> None:
     assert (found.nominal_value, found.std_dev) == (0.0, 0.0)
 
 
+@settings(max_examples=12)  # pint takes its time to refuse one
 @given(st.text(max_size=20))
 def test_no_text_ends_in_another_error(text: str) -> None:
     try:

@@ -60,6 +60,7 @@ def plain_words(text: str) -> str:
     return re.sub(r"\s+", " ", text)
 
 
+@pytest.mark.proof  # the league's own test below names the same modulus of the same data
 def test_a_hidden_modulus_is_found_by_diagnose_among_all_parts_places_and_gains(lab, answer):
     found = answer("diagnose", FILE)
     assert found["verdict"] == "ambiguous"  # ends of the legs that give are the same to floors that move along x alone

@@ -182,10 +182,10 @@ def test_a_picture_of_an_article_is_written_whole_quietly_and_repeatably(tmp_pat
     from geometry import routes
     from geometry.articles import built_in
 
-    article = built_in("fmd")
+    article = built_in("disc")
     bodies, inertia = scene.drawn_bodies(article, chord=2e-3), routes.inertia(article)
     for name in ("once.png", "again.png"):
-        scene.picture("fmd", bodies, inertia, tmp_path / "new" / name, note=article.note)
+        scene.picture("disc", bodies, inertia, tmp_path / "new" / name, note=article.note)
     assert capfd.readouterr() == ("", "")
     assert sorted(entry.name for entry in (tmp_path / "new").iterdir()) == ["again.png", "once.png"]
     assert (tmp_path / "new" / "once.png").read_bytes() == (tmp_path / "new" / "again.png").read_bytes()
