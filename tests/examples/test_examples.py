@@ -26,6 +26,7 @@ def test_the_quickstart_prints_three_routes_that_agree_and_the_tare(root: Path) 
     assert "satisfy the triangle inequality" in text
 
 
+@pytest.mark.proof  # the script; validation/test_pictures.py holds what it draws with
 @pytest.mark.usefixtures("renderer")
 def test_the_pictures_are_drawn_and_put_on_one_sheet_that_fits_a_readme(root: Path, tmp_path: Path) -> None:
     names = ("cuboid", "disc")

@@ -64,7 +64,7 @@ def test_where_nothing_is_missing_nothing_is_named_and_the_smallest_sizes_are_to
     assert sound.before is sound.after
 
 
-@pytest.mark.parametrize("effects", [(), (f"{GAIN}=0.15",)])
+@pytest.mark.parametrize("effects", [pytest.param((), marks=pytest.mark.proof), (f"{GAIN}=0.15",)])
 def test_the_errors_of_the_model_as_it_is_are_those_of_a_comparison_digit_for_digit(made, effects):
     """On the same lines and the same folds, whoever asks first."""
     study = made(*effects)
