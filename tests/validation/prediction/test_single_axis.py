@@ -12,6 +12,7 @@ from geometry.errors import BadInput
 from identification import campaign_file
 from identification.campaign import Campaign
 from validation.cli import main
+from validation.compare.maps import Rig
 from validation.diagnose.candidates import candidates
 from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.mistakes import mistakes
@@ -78,6 +79,13 @@ def test_a_virtual_test_has_one_pilot_the_article_and_the_largest_that_its_table
     assert "accelerometers on the article" in refused(*given, "x")
     assert "must be one of x, y, z" in refused(*given, "alpha", *PLAIN)
     assert "does not read that channel" in refused(*given, "x", *PLAIN, "--effect", "force-gain:fmd-z2=0.1")
+
+
+def test_one_axis_measures_no_dynamic_mass(simulated, model):
+    (of,) = predictions(model, [simulated()])
+    operators, why = Rig(table=with_unmeasured(simulated()).table, gravity=9.81).operators(of.measured)
+    assert operators is None
+    assert "no dynamic mass is measured" in why[0]
 
 
 def test_without_their_size_unmeasured_motions_are_refused(lab, refused):
