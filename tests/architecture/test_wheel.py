@@ -123,11 +123,7 @@ def test_the_installed_package_hands_on_its_names(installed: Path, tmp_path: Pat
 
 @pytest.mark.parametrize(
     ("command", "extra"),
-    [
-        (("reference", "clumod-1"), "cad"),
-        (("modes", "clumod-1", "--model", "solid"), "gpl"),
-        (("app", "--no-browser"), "app"),
-    ],
+    [(("reference", "clumod-1"), "cad"), (("modes", "clumod-1", "--model", "solid"), "gpl"), (("app", "--no-browser"), "app")],
     ids=lambda one: one if isinstance(one, str) else one[0],
 )
 def test_an_installed_command_that_lacks_its_extra_says_which(
