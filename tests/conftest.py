@@ -74,6 +74,20 @@ def massline() -> Callable[..., subprocess.CompletedProcess[str]]:
 
 
 @pytest.fixture(scope="session")
+def gain(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with ``model.toml`` and ``gain``: the smallest sweeps of which a diagnosis is sure, those of the stored answers,
+    in which one force channel reads 8 % too much, and a model that does not know. Not to be changed: take a copy."""
+    from validation.cli import main
+
+    folder = tmp_path_factory.mktemp("gain")
+    quick = ("--seed", "3", "--octaves-per-minute", "120", "--band", "8", "16", "--rate", "256", "--noise", "0.1")
+    planted = ("--tolerances", "0.3", "--effect", "force-gain:fmd-z2=0.08")
+    assert main.run(["model", "fmd+cuboid", "--out", str(folder / "model.toml")]) == main.DONE
+    assert main.run(["simulate", "fmd+cuboid", "--out", str(folder / "gain"), *quick, *planted]) == main.DONE
+    return folder
+
+
+@pytest.fixture(scope="session")
 def shared(root: Path) -> Path:
     """The project's shared folder, beside the repository."""
     return _present(root.parent / "shared", "the shared folder beside the repository")

@@ -26,6 +26,7 @@ def test_the_quickstart_prints_three_routes_that_agree_and_the_tare(root: Path) 
     assert "satisfy the triangle inequality" in text
 
 
+@pytest.mark.proof  # the script; validation/test_pictures.py holds what it draws with
 @pytest.mark.usefixtures("renderer")
 def test_the_pictures_are_drawn_and_put_on_one_sheet_that_fits_a_readme(root: Path, tmp_path: Path) -> None:
     names = ("cuboid", "disc")
@@ -84,6 +85,7 @@ def test_a_convergence_study_prints_frequencies_that_fall_and_a_verdict(
     assert re.search(r"the worst, mode \d at [\d.]+ Hz \(plate\), is [\d.]+% from its", text)
 
 
+@pytest.mark.proof  # the script; its two routes are held in short by virtual_test/test_closure.py
 def test_the_closure_example_finds_the_model_again_axis_by_axis(root: Path) -> None:
     printed = io.StringIO()
     main = runpy.run_path(str(root / "examples" / "closure.py"))["main"]

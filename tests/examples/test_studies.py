@@ -16,7 +16,7 @@ STUDIES = {
 """Kind of test, drives, responses, band [Hz] and what is hidden."""
 
 
-@pytest.mark.parametrize("name", STUDIES)
+@pytest.mark.parametrize("name", [pytest.param(one, marks=[pytest.mark.proof] * (one == "plate")) for one in STUDIES])
 def test_a_study_in_fifteen_lines_compares_and_says_where_shapes_are_green_and_the_model_is_wrong(
     name: str, root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -34,6 +34,7 @@ def test_a_study_in_fifteen_lines_compares_and_says_where_shapes_are_green_and_t
     assert "MAC does not see frequencies" in page
 
 
+@pytest.mark.proof  # the study as shipped; prediction/test_on_the_article.py shows such sensors
 def test_a_base_test_has_accelerometers_on_its_article(
     root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

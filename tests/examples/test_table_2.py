@@ -37,8 +37,9 @@ def program(root: Path) -> Iterator[Names]:
         del sys.modules[name]
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="module", params=[pytest.param("whole", marks=pytest.mark.proof)])
 def story(program: Names) -> Any:
+    """All ways, faults and pairs of them: the tests below that ask for none of it show each step on one way."""
     return program["story"].told()
 
 
@@ -107,7 +108,6 @@ def test_evidence_is_the_integral_over_the_size(program: Names, one_sided: bool)
     assert_allclose(tried.log_evidence[0], expected, rtol=1e-6)  # of the quadrature
 
 
-@pytest.mark.proof
 def test_information_is_all_the_doubt_where_predictions_lie_apart_and_none_where_they_agree(program: Names, story: Any) -> None:
     menu = program["menu"]
     best = story.pairs[0].of

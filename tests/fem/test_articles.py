@@ -252,7 +252,7 @@ def test_part_of_a_material_without_moduli_is_refused() -> None:
         articles.clumod_frame(ONE_BLADE, d)
 
 
-SIZE = 0.045
+SIZE = 0.06
 """[m] of the local solid's cells: coarse, the claims here hold at any."""
 
 

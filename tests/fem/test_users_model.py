@@ -339,7 +339,7 @@ def test_models_are_told_from_articles(bracket_files: Path, root: Path, tmp_path
         assert not reading.is_model(path)
 
 
-COUNT = 100
+COUNT = 40
 
 
 @pytest.fixture(scope="session")

@@ -11,19 +11,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from geometry import cad
-from geometry.article import (
-    Article,
-    Box,
-    Cylinder,
-    Material,
-    Part,
-    Placed,
-    Shape,
-    library,
-    material,
-    seat_at,
-    stacked,
-)
+from geometry.article import Article, Box, Cylinder, Material, Part, Placed, Shape, library, material, seat_at, stacked
 from geometry.articles import NAMES, SETUPS, built_in, locations, seats
 from geometry.articles import parts as articles_parts
 from geometry.articles.parts import build_clumod, load

@@ -13,17 +13,7 @@ from numpy.testing import assert_allclose
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia
-from geometry.mesh import (
-    TriangleMesh,
-    inertia,
-    joined,
-    merged,
-    pieces,
-    placed,
-    require_closed_volume,
-    scaled,
-    selected,
-)
+from geometry.mesh import TriangleMesh, inertia, joined, merged, pieces, placed, require_closed_volume, scaled, selected
 from geometry.toml_file import MILLIMETRE
 
 DENSITY = 2700.0

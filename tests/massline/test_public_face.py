@@ -1,27 +1,17 @@
 """From two paths to a named effect in five lines of Python, with the names of one package."""
 
+import shutil
 from pathlib import Path
 
 import pytest
 
 import massline
-from validation.cli import main
-
-QUICK = (
-    *("--seed", "3", "--octaves-per-minute", "120", "--band", "8", "16"),
-    *("--rate", "256", "--noise", "0.1", "--tolerances", "0.3"),
-)
-"""The smallest sweeps of which a diagnosis is sure, those of the stored answers."""
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A campaign in which one force channel reads 8 % too much, and a model that does not know."""
-    folder = tmp_path_factory.mktemp("face")
-    fault = ("--effect", "force-gain:fmd-z2=0.08")
-    assert main.run(["model", "fmd+cuboid", "--out", str(folder / "model.toml")]) == main.DONE
-    assert main.run(["simulate", "fmd+cuboid", "--out", str(folder / "gain"), *QUICK, *fault]) == main.DONE
-    return folder
+def folder(gain: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The small series with a fault, to be worked on."""
+    return shutil.copytree(gain, tmp_path_factory.mktemp("face") / "gain")
 
 
 def test_five_lines_lead_from_two_paths_to_a_named_effect_and_the_error_falls(folder: Path) -> None:

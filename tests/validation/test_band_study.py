@@ -30,10 +30,7 @@ def noisy(H: DynamicMass, noise: float) -> DynamicMass:
 
 @cache
 def one_blade() -> DynamicMass:
-    return noisy(
-        dynamic_mass.modal(fixed_base(articles.structure("clumod-1"), 40, damping=Damping(ratio=0.0035)), LINES),
-        0.002,
-    )
+    return noisy(dynamic_mass.modal(fixed_base(articles.structure("clumod-1"), 40, damping=Damping(ratio=0.0035)), LINES), 0.002)
 
 
 @cache

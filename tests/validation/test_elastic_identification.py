@@ -96,7 +96,7 @@ def test_the_extrapolation_to_zero_is_right_where_the_papers_was_not(article, ma
     assert off.moments < 1e-3 / margin
 
 
-@pytest.mark.parametrize("article", ["clumod-1", "clumod-4"])
+@pytest.mark.parametrize("article", ["clumod-1", pytest.param("clumod-4", marks=pytest.mark.proof)])
 def test_errors_of_a_careful_laboratory_cost_no_more_than_themselves(article):
     off = errors(fitted(article), article)
     assert off.mass < 3e-3
@@ -104,7 +104,7 @@ def test_errors_of_a_careful_laboratory_cost_no_more_than_themselves(article):
     assert off.moments < 5e-3
 
 
-@pytest.mark.parametrize("article", ["clumod-1", "clumod-4"])
+@pytest.mark.parametrize("article", ["clumod-1", pytest.param("clumod-4", marks=pytest.mark.proof)])
 def test_all_modes_of_the_band_are_found_and_no_other_and_without_elastic_terms_the_misfit_says_so(article):
     """Four of them, of the set-up with four blades, within 0.18 Hz: less than five half-power widths."""
     true, found = modes(article).frequency, fitted(article).terms

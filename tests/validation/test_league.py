@@ -60,6 +60,7 @@ def plain_words(text: str) -> str:
     return re.sub(r"\s+", " ", text)
 
 
+@pytest.mark.proof  # the league's own test below names the same modulus of the same data
 def test_a_hidden_modulus_is_found_by_diagnose_among_all_parts_places_and_gains(lab, answer):
     found = answer("diagnose", FILE)
     assert found["verdict"] == "ambiguous"  # ends of the legs that give are the same to floors that move along x alone
@@ -198,9 +199,10 @@ def test_a_set_that_nobody_knows_and_data_that_are_not_there_are_refused(lab, re
     ("study", "said"),
     [
         ("footbridge", "mode 1 and mode 2 have changed places"),
-        ("three-storey-frame", "MAC does not see frequencies"),
-        ("shear-building", "MAC does not see frequencies"),
-        ("shear-building-weights", "MAC does not see frequencies"),
+        *(
+            pytest.param(study, "MAC does not see frequencies", marks=pytest.mark.proof)
+            for study in ("shear-building", "three-storey-frame", "shear-building-weights")
+        ),
     ],
 )
 def test_a_study_of_real_data_is_fifteen_lines_that_compare(study, said, root, data, run, monkeypatch):

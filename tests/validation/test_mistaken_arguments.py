@@ -6,10 +6,7 @@ import pytest
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (
-            ("compare", "series", "m.toml"),
-            "it is the folder of a campaign, where a file is needed. MODEL comes first",
-        ),
+        (("compare", "series", "m.toml"), "it is the folder of a campaign, where a file is needed. MODEL comes first"),
         (("identify", "m.toml"), "it is a model file without a [[test]], no measurement"),
         (("compare", "m.toml", "m.toml"), "it is a model file, where a measurement is needed"),
         (("check", "m.toml"), "it is a model file without a [[test]], no measurement"),

@@ -19,6 +19,7 @@ from numpy.testing import assert_allclose
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Pose
 from geometry.inertia import Inertia
+from validation.report.charts.static import said_about
 from validation.report.charts.style import AXES, MATERIALS, OTHERS, Label, arranged, colours
 from validation.report.scenes import scene
 
@@ -182,10 +183,10 @@ def test_a_picture_of_an_article_is_written_whole_quietly_and_repeatably(tmp_pat
     from geometry import routes
     from geometry.articles import built_in
 
-    article = built_in("fmd")
+    article = built_in("disc")
     bodies, inertia = scene.drawn_bodies(article, chord=2e-3), routes.inertia(article)
     for name in ("once.png", "again.png"):
-        scene.picture("fmd", bodies, inertia, tmp_path / "new" / name, note=article.note)
+        scene.picture("disc", bodies, inertia, tmp_path / "new" / name, note=article.note)
     assert capfd.readouterr() == ("", "")
     assert sorted(entry.name for entry in (tmp_path / "new").iterdir()) == ["again.png", "once.png"]
     assert (tmp_path / "new" / "once.png").read_bytes() == (tmp_path / "new" / "again.png").read_bytes()
@@ -329,7 +330,8 @@ def test_a_contact_sheet_puts_pictures_two_abreast(tmp_path):
     paths = [tmp_path / f"{i}.png" for i in range(3)]
     for path, shade in zip(paths, shades, strict=True):
         imsave(path, np.full((120, 160, 3), shade, dtype=np.uint8))
-    scene.contact_sheet(paths, tmp_path / "sheet.png")
+    scene.contact_sheet(paths, tmp_path / "sheet.png", about="three shades")
+    assert said_about(tmp_path / "sheet.png") == "three shades"
     sheet = np.round(255 * imread(tmp_path / "sheet.png")[..., :3])
     assert sheet.shape == (1200, 1600, 3)
     for (row, column), shade in zip([(300, 400), (300, 1200), (900, 400), (900, 1200)], [*shades, (255, 255, 255)], strict=True):

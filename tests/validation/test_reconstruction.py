@@ -8,7 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from geometry.dynamic_mass import DynamicMass
+from fem.base_excitation.patterns import Sweep
+from fem.base_excitation.response import respond
+from fem.base_excitation.rig import Rig, dynamic_mass, flexible
+from fem.beam import articles
+from fem.modes import fixed_base
+from geometry.dynamic_mass import MOTIONS, DynamicMass
 from geometry.errors import CheckFailed
 from validation.reference import reconstruction
 
@@ -56,10 +61,27 @@ def _require_solved(file: Path, posed: reconstruction.Reconstruction) -> None:
 
 
 def test_a_solve_that_does_not_end_says_how_far_it_was(posed, monkeypatch):
+    """On straight lines in place of articles: every start would take a second and more a derivative."""
+    lines = np.random.default_rng(1).standard_normal((40, len(posed.free)))
+
+    def far(posed: reconstruction.Reconstruction, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return np.concatenate([change / posed.freedom, lines[:30] @ change + 50.0]), lines[30:] @ change + 3.0
+
+    monkeypatch.setattr(reconstruction, "misfit", far)
     monkeypatch.setattr(reconstruction, "ITERATIONS", 1)
     monkeypatch.setattr(reconstruction, "STARTS", 2)
     with pytest.raises(CheckFailed, match="not solved in 1 iterations: a frequency is off by"):
         reconstruction.solve(posed, np.random.default_rng(0))
+
+
+def test_six_runs_of_the_recursion_give_the_dynamic_mass_of_what_was_driven():
+    structure = articles.structure("cuboid")
+    rig = Rig(article=flexible("cuboid", structure, fixed_base(structure, 2)))
+    lines = np.array([8.0, 12.0, 20.0])
+    runs = [respond(rig, Sweep(axis=one, rate=135.0).motion(8192, ring_down=0.2)) for one in MOTIONS]
+    found = reconstruction.identified(runs, lines).dynamic_mass
+    expected = dynamic_mass(rig, lines).matrix
+    np.testing.assert_allclose(found.matrix, expected, atol=1e-3 * np.abs(expected).max())  # what rings on is cut
 
 
 LINES = np.array([4.0, 8.0, 10.0, 10.2, 20.0])

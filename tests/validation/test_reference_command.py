@@ -20,6 +20,9 @@ from validation.reference.statement import inertia_of
 Run = Callable[..., tuple[int, str, str]]
 
 
+ROUGH = ("--chord", "1 mm")
+"""For a mesh that is not what is looked at: with chords of 2 µm it takes most of the time."""
+
 MOVING = "fmd.load_cell.moving_fraction=0.6"
 BOLTS = "disc.cuboid_bolts.diameter_mm"
 IN_PRINT = ("validate", "clumod-1-table2", "--against", "clumod-1", "--reference")
@@ -62,8 +65,8 @@ def test_the_users_frame_moves_and_turns_every_route_and_a_file_says_the_same_as
 
 
 def test_out_holds_what_would_have_been_printed(run, tmp_path):
-    printed = run("reference", "disc", "--format", "csv")[1]
-    code, out, _ = run("reference", "disc", "--format", "csv", "--out", "deep/table.csv")
+    printed = run("reference", "disc", "--format", "csv", *ROUGH)[1]
+    code, out, _ = run("reference", "disc", "--format", "csv", "--out", "deep/table.csv", *ROUGH)
     assert (code, out) == (main.DONE, "")
     assert (tmp_path / "deep" / "table.csv").read_text(encoding="utf-8") == printed
     assert len(list(csv.reader(printed.splitlines()))) == 31
@@ -196,7 +199,8 @@ def test_a_changed_dimension_reaches_every_route_and_is_said(answer):
 
 
 def test_published_values_are_said_to_be_those_of_the_unchanged_article(run):
-    code, out, err = run("reference", "clumod-1", "--set", "clumod.blade.lower-1.length_mm=1090", "--format", "markdown")
+    longer = ("--set", "clumod.blade.lower-1.length_mm=1090")
+    code, out, err = run("reference", "clumod-1", *longer, "--format", "markdown", *ROUGH)
     assert code == main.DONE, err
     said = "Dimensions changed: clumod.blade.lower-1.length_mm = 1090; published and measured values are those of the unchanged"
     assert said in out
@@ -206,7 +210,7 @@ def test_a_change_acts_where_its_part_is_and_says_where_it_does_nothing(run, ref
     changes = ("--set", "disc.height_mm=20", "--set", "fmd.mounting_plate.size_mm=1")
     assert "only a number can be changed" in refused("reference", "disc", "fmd", "--json", *changes)
     code, out, _ = run(
-        "reference", "cuboid", "disc", "--json", "--set", "disc.height_mm=20", "--set", "disc.fmd_bolts.circle_mm=320"
+        "reference", "cuboid", "disc", "--json", "--set", "disc.height_mm=20", "--set", "disc.fmd_bolts.circle_mm=320", *ROUGH
     )
     articles = json.loads(out)["articles"]
     assert code == main.DONE
@@ -224,7 +228,7 @@ def test_a_drawing_that_cannot_be_fails_the_check_of_the_routes(run, tmp_path):
 
 
 def test_validate_holds_a_result_against_the_changed_article(run, answer, tmp_path):
-    routes = answer("reference", "fmd", "--set", MOVING)["articles"]["fmd"]["routes"]
+    routes = answer("reference", "fmd", "--set", MOVING, *ROUGH)["articles"]["fmd"]["routes"]
     (tmp_path / "r.json").write_text(json.dumps(inertia_json(body(routes["occ"]))), encoding="utf-8")
     assert run("validate", "r.json", "--against", "fmd")[0] == main.FAILED_CHECK
     code, out, err = run("validate", "r.json", "--against", "fmd", "--set", MOVING)
@@ -234,7 +238,7 @@ def test_validate_holds_a_result_against_the_changed_article(run, answer, tmp_pa
 
 
 def test_view_writes_a_picture(run, tmp_path, renderer):
-    code, _, err = run("reference", "cuboid", "--view")
+    code, _, err = run("reference", "cuboid", "--view", *ROUGH)
     assert code == main.DONE, err
     assert (tmp_path / "out" / "cuboid.png").stat().st_size > 10_000
 

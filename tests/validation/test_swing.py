@@ -268,7 +268,7 @@ def test_ropes_through_the_article_are_said_with_the_height_that_clears_it():
     def said(*, height):
         texts = {"length": "2 m", "amplitude": "0.1 rad", "height": height}
         recorder = {"off_centre": None, "links": None, "start": "twist", "cycles": 3.0, "rate": 25.0, "seed": 0}
-        test = setup("clumod-4", Words(texts=texts, ropes=3, axis="z", along=None, **recorder), ArticleOptions())
+        test = setup("clumod-1", Words(texts=texts, ropes=3, axis="z", along=None, **recorder), ArticleOptions())
         return setups.in_the_way(test, ArticleOptions())
 
     sentence = said(height="100 mm")

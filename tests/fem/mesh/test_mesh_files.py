@@ -191,10 +191,7 @@ def test_sizes_that_no_structure_has_are_doubted_with_the_unit_that_fits(meshed:
             "the box holds no node; the nearest is at",
             {"more": '[fe_model.groups.g]\nbox = [["1 m", "0 m", "0 m"], ["2 m", "0 m", "0 m"]]'},
         ),
-        (
-            "there is no part 'q'",
-            {"more": "" + JOINT},
-        ),
+        ("there is no part 'q'", {"more": "" + JOINT}),
         (
             "stiffness`: must be six stiffnesses",
             {"more": '[fe_model.joints.j]\nbetween = ["p", "q"]\nat = 1\nstiffness = ["1 N/m"]'},

@@ -55,17 +55,9 @@ STATED: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "soil of a free one": (FREE + SOIL + SIX, "fe_model.joints.bolt", ("ties it to the ground", "free")),
     "support twice": (GROUND + 'supports = ["left", "left"]\n', "fe_model.supports", ("'left' 2 times",)),
     "support nowhere": (GROUND + 'supports = ["lift"]\n', "fe_model.supports", ("'lift'", "Did you mean left?")),
-    "support and joint": (
-        GROUND + 'supports = ["left"]\njoints.left = {}\n',
-        "fe_model.supports",
-        ("a joint has that name",),
-    ),
+    "support and joint": (GROUND + 'supports = ["left"]\njoints.left = {}\n', "fe_model.supports", ("a joint has that name",)),
     "joint nowhere": (BASE + "joints.lefft = {}\n", "fe_model.joints.lefft", ("neither", "Did you mean left?")),
-    "joint without names": (
-        BASE + "[fe_model.joints.bolt]\n" + SIX,
-        "fe_model.joints.bolt.between",
-        ("missing",),
-    ),
+    "joint without names": (BASE + "[fe_model.joints.bolt]\n" + SIX, "fe_model.joints.bolt.between", ("missing",)),
     "supports in words": (GROUND + 'supports = "left"\n', "fe_model.supports", ("list of names",)),
     "floats": (GROUND, "stiffness", ("on the ground", "cost no energy", "free")),
     "part nowhere": (BASE + "[fe_model.parts.lefft]\nloss_factor = 0.1\n", "fe_model.parts.lefft", ("no part", "left")),
@@ -136,11 +128,7 @@ STATED: dict[str, tuple[str, str, tuple[str, ...]]] = {
         "fe_model.joints.bolt.stiffness",
         ("needs its unit",),
     ),
-    "stiffness of a rotation": (
-        BASE + JOINT + SIX.replace("N/m", "N m/rad"),
-        "fe_model.joints.bolt.stiffness",
-        ("stiffness",),
-    ),
+    "stiffness of a rotation": (BASE + JOINT + SIX.replace("N/m", "N m/rad"), "fe_model.joints.bolt.stiffness", ("stiffness",)),
     "stiffness negative": (BASE + JOINT + SIX.replace("1e6", "-1e6"), "fe_model.joints.bolt.stiffness", ("along x",)),
     "no stiffness": (BASE + JOINT + SIX.replace('"1e6 N/m"', "0"), "fe_model.joints.bolt.stiffness", ("all zero",)),
     "joint of a place that does not turn": (
@@ -171,11 +159,7 @@ STATED: dict[str, tuple[str, str, tuple[str, ...]]] = {
         ("units are not known",),
     ),
     "stated mass of the clamped": (GROUND + '[stated]\nmass = "2.5 t"\n', "stated.mass", ("0.001",)),
-    "stated cog of the clamped": (
-        GROUND + '[stated]\ncog = ["0 m", "0 m", "0 m"]\n',
-        "stated.cog",
-        ("what the ground holds",),
-    ),
+    "stated cog of the clamped": (GROUND + '[stated]\ncog = ["0 m", "0 m", "0 m"]\n', "stated.cog", ("what the ground holds",)),
 }
 
 

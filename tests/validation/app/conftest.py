@@ -16,8 +16,6 @@ from typing import Any
 
 import pytest
 
-from validation.cli import main
-
 SHOTS = Path("out/workbench")
 PATIENCE = 180_000
 """Milliseconds that a page may take to do what it was asked: a machine that does many things at once is slow, not wrong."""
@@ -85,18 +83,6 @@ def _alive() -> Callable[[int], bool]:
     return alive
 
 
-@pytest.fixture(scope="session")
-def massline() -> Callable[..., subprocess.CompletedProcess[str]]:
-    """The command line in a process, to its end."""
-
-    def run(*arguments: str) -> subprocess.CompletedProcess[str]:
-        program = "from validation.cli.main import main; main()"
-        command = [sys.executable, "-P", "-c", program, *arguments]
-        return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE / 1e3, check=False)
-
-    return run
-
-
 def until(claim: Callable[[], bool], seconds: float = 15.0) -> bool:
     """Whether `claim` comes true in time."""
     end = time.monotonic() + seconds
@@ -141,17 +127,9 @@ def start_app(tmp_path_factory) -> Iterator[Callable[..., Workbench]]:
 
 
 @pytest.fixture(scope="session")
-def series(tmp_path_factory) -> tuple[str, str]:
+def series(gain) -> tuple[str, str]:
     """A model, and the smallest test with something in it that the model does not know."""
-    folder = tmp_path_factory.mktemp("series")
-    quick = ("--tolerances", "0.3", "--noise", "0.1", "--octaves-per-minute", "120", "--rate", "256", "--band", "8", "16")
-    model, data = folder / "cuboid.toml", folder / "gain"
-    for line in (
-        ("simulate", "fmd+cuboid", "--out", str(data), "--seed", "3", *quick, "--effect", "force-gain:fmd-z2=0.08"),
-        ("model", "fmd+cuboid", "--out", str(model)),
-    ):
-        assert main.run(list(line)) == main.DONE
-    return str(model), str(data)
+    return str(gain / "model.toml"), str(gain / "gain")
 
 
 @dataclass(kw_only=True)

@@ -133,6 +133,12 @@ def test_every_answer_forbids_what_a_foreign_file_could_try_and_a_windows_own_po
     own.close()
 
 
+def test_a_port_that_is_taken_is_said_in_words(bench, massline):
+    done: subprocess.CompletedProcess[str] = massline("app", "--no-browser", "--port", str(bench.port), timeout=60)
+    assert done.returncode == 2
+    assert "Choose another port" in done.stderr
+
+
 def listening(pid: int) -> int:
     """The port that a process listens on."""
     inodes = {str(entry.readlink()) for entry in Path(f"/proc/{pid}/fd").iterdir()}

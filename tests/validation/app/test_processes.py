@@ -1,7 +1,6 @@
 """Every window has a process of its own, and none is left when it is closed."""
 
 import signal
-import subprocess
 from typing import Any
 
 import pytest
@@ -60,13 +59,6 @@ def test_however_it_ends_every_window_and_its_work_are_gone(ending, start_app, v
         bench.process.wait()
         assert until(lambda: not any(alive(one) for one in every), 5)
     assert not any(alive(one) for one in every)
-
-
-def test_a_port_that_is_taken_is_said_in_words(start_app, massline):
-    bench = start_app("--stay")
-    done: subprocess.CompletedProcess[str] = massline("app", "--no-browser", "--port", str(bench.port))
-    assert done.returncode == 2
-    assert "Choose another port" in done.stderr
 
 
 @pytest.mark.parametrize(

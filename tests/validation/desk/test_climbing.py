@@ -14,6 +14,7 @@ from geometry.errors import BadInput
 from validation.app import whatif, workers
 from validation.app.opening import Handed, received
 from validation.app.session import Session, begun, digest
+from validation.app.state import unsaved
 from validation.estimation.verdicts import expected_z2, largest_z
 from validation.history import history
 from validation.history.history import Source, history_position
@@ -51,6 +52,8 @@ def test_adding_moves_error_curve_and_inertia_and_undo_brings_all_back(worked, c
     assert np.array_equal(one.measured, other.measured)
     assert np.abs(one.predicted - other.predicted)[:, 2, 2].max() > 0.01 * np.abs(one.predicted)[:, 2, 2].max()
     assert at.rung.bodies[0].values[0] != at.ladder.rung(0).bodies[0].values[0]
+    assert unsaved(climbed.folder)
+    assert not unsaved(worked.desk.folder)
     text = climbed.model.read_text()
     assert climbed.undo().rung.number == 0  # type: ignore[union-attr]
     again = climbed.comparison()

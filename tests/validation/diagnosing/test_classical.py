@@ -202,7 +202,9 @@ SIZES = {
 """All six of the catalogue, at sizes that one precise period shows."""
 
 
-@pytest.mark.parametrize("name", ["pendulum-amplitude", "rope-mass", "air-inertia"])
+@pytest.mark.parametrize(
+    "name", ["pendulum-amplitude", *(pytest.param(one, marks=pytest.mark.proof) for one in ("rope-mass", "air-inertia"))]
+)
 def test_one_period_needs_the_planted_size_of_the_planted_effect_and_calls_all_others_aliases(clumod, write, name):
     found = only_classical(clumod, [write({name: SIZES[name]}, (3,) if name == "pendulum-amplitude" else (0,))])
     needed = by_id(found)
@@ -393,6 +395,7 @@ def test_on_one_set_of_ropes_it_is_one_of_many(swing):
     assert "the ropes half as far" in " ".join(one.test for one in found.advice)
 
 
+@pytest.mark.proof  # test_stretch_and_a_heavier_body_stay_aliases holds the same in short
 def test_ropes_that_stretch_are_among_those_that_no_radius_tells_apart(swing):
     stiff = {"rope_stiffness": "1.5e5 N"}
     found = only_classical(MODEL, [swing("wide", "0.3 m", **stiff), swing("narrow", "0.2 m", **stiff)])

@@ -8,13 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from geometry.errors import CheckFailed
 from identification.quality import NORMAL_90
 from validation.cli import main
 from validation.compare.compare import compared
 from validation.diagnose import diagnose, diagnosis
 from validation.diagnose.diagnose import diagnosed
 from validation.effects.catalogue import parse
-from validation.estimation.problem import EFFECT, Parameter
+from validation.estimation.fit import unfitted
+from validation.estimation.problem import EFFECT, FITTED, Parameter
 from validation.model import model_file
 from validation.model.model import Added
 from validation.study import Options, Study, read_data
@@ -62,7 +64,7 @@ def test_where_nothing_is_missing_nothing_is_named_and_the_smallest_sizes_are_to
     assert sound.before is sound.after
 
 
-@pytest.mark.parametrize("effects", [(), (f"{GAIN}=0.15",)])
+@pytest.mark.parametrize("effects", [pytest.param((), marks=pytest.mark.proof), (f"{GAIN}=0.15",)])
 def test_the_errors_of_the_model_as_it_is_are_those_of_a_comparison_digit_for_digit(made, effects):
     """On the same lines and the same folds, whoever asks first."""
     study = made(*effects)
@@ -96,6 +98,15 @@ def test_a_tolerance_that_moves_farther_than_chance_would_is_told_where_it_has_n
     assert found.verdict == diagnosis.NOTHING, found.text
     assert any(f"{GAIN} pays" in one and "measure it again" in one for one in found.remarks)
     assert not any("pays" in one for one in sound.remarks)
+
+
+def test_a_model_that_does_not_converge_is_refused_where_nothing_from_afar_rescues_it(made, monkeypatch):
+    """As if its fit had stopped where it begins; `test_search.py` has one that is rescued."""
+    study = made(f"{GAIN}=0.15")
+    stopped = unfitted(study.problem(), FITTED, {})
+    monkeypatch.setattr(Study, "all_free", lambda study, progress=None: stopped)
+    with pytest.raises(CheckFailed, match="did not converge"):
+        diagnosed(study, only=["orientation"])
 
 
 def test_a_size_is_what_the_data_say_however_much_smaller_a_fault_plausibly_is():

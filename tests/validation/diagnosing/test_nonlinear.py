@@ -84,7 +84,7 @@ def test_linear_runs_answer_alike_without_a_model_where_all_six_axes_were_driven
     assert [one.axis for one in differing_levels(alone(saturated(tested, "fmd-z1", 0.2)))] == ["z"]
 
 
-@pytest.mark.parametrize("axis", ["x", "y"])
+@pytest.mark.parametrize("axis", [pytest.param("x", marks=pytest.mark.proof), "y"])
 def test_friction_is_named_with_its_axis_and_slip_force(linear, axis):
     slipping = bent(linear, f"friction:flange:{axis}=3")
     found = differing_levels(slipping)

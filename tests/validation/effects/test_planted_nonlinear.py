@@ -71,7 +71,7 @@ def test_a_loose_part_is_dragged_by_its_slip_force_and_a_cell_that_lifts_pulls_n
     assert_allclose(total[:n], whole[:n], rtol=0, atol=0.05 * np.max(np.abs(whole)))  # hardly visible in the dynamic mass
 
 
-@pytest.mark.parametrize("share", [1.5, 0.8, 0.25])
+@pytest.mark.parametrize("share", [1.5, 0.25, pytest.param(0.8, marks=pytest.mark.proof)])
 def test_the_mass_that_a_sweep_sees_is_that_of_the_harmonic_balance(sweep, share):
     """Of a part of 2 kg that slips, swept at 2.5 m/s²: by exudyn in time, against the equation of the catalogue."""
     found = sweep("x", rate=40.0), sweep("x", f"friction:flange:x={share * 2.0 * 2.5}", rate=40.0)
@@ -82,7 +82,7 @@ def test_the_mass_that_a_sweep_sees_is_that_of_the_harmonic_balance(sweep, share
     assert_allclose(middle / 2.0, describing_function(share), rtol=0, atol=0.02)  # a longer sweep comes nearer
 
 
-@pytest.mark.parametrize("preload", [5.0, 15.0])
+@pytest.mark.parametrize("preload", [5.0, pytest.param(15.0, marks=pytest.mark.proof)])
 def test_in_a_slow_sweep_a_lifting_cell_reads_its_describing_function_and_the_others_the_rest(sweep, preload):
     """By exudyn in time, against the catalogue's equation: the median over the lines, which the ends of the sweep make ripple."""
     plain, lifting = sweep("z", rate=30.0), sweep("z", f"gap:1={preload:g}", rate=30.0)

@@ -40,10 +40,7 @@ def campaign(bracket: Mapping[str, Any], meaningless: Callable[..., Campaign]) -
     where = bare.table.origin + pose.apply(1e-3 * bracket["bracket"]()[1])
     sensors = [
         Channel(
-            name=name,
-            quantity="acceleration",
-            group="article",
-            places=(Place(position=where[node], direction=np.eye(3)[axis]),),
+            name=name, quantity="acceleration", group="article", places=(Place(position=where[node], direction=np.eye(3)[axis]),)
         )
         for name, (node, axis) in POINTS.items()
     ]

@@ -141,13 +141,7 @@ def test_noise_of_four_blows_is_as_large_as_they_scatter(tested: Callable[..., t
 
 
 def test_a_virtual_test_without_noise_is_the_prediction_whatever_its_losses(tested: Callable[..., tuple[Any, ...]]) -> None:
-    effects = (
-        "modulus:arm=-0.1",
-        "structural-damping:column=0.02",
-        "mass:column=0.05",
-        "point-mass:tip=0.05",
-        "cable:elbow=2e4",
-    )
+    effects = ("modulus:arm=-0.1", "structural-damping:column=0.02", "mass:column=0.05", "point-mass:tip=0.05", "cable:elbow=2e4")
     (one,) = tested("functions", effects, noise=0.0)
     test = replace(one, decay_rate=0.0)
     assert misfit(test) > 0.5

@@ -12,6 +12,7 @@ from geometry.errors import BadInput
 from identification import campaign_file
 from identification.campaign import Campaign
 from validation.cli import main
+from validation.compare.maps import Rig
 from validation.diagnose.candidates import candidates
 from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.mistakes import mistakes
@@ -80,6 +81,13 @@ def test_a_virtual_test_has_one_pilot_the_article_and_the_largest_that_its_table
     assert "does not read that channel" in refused(*given, "x", *PLAIN, "--effect", "force-gain:fmd-z2=0.1")
 
 
+def test_one_axis_measures_no_dynamic_mass(simulated, model):
+    (of,) = predictions(model, [simulated()])
+    operators, why = Rig(table=with_unmeasured(simulated()).table, gravity=9.81).operators(of.measured)
+    assert operators is None
+    assert "no dynamic mass is measured" in why[0]
+
+
 def test_without_their_size_unmeasured_motions_are_refused(lab, refused):
     lab(stated=0.0)
     assert "base motions x, y, z, alpha, beta, gamma cannot be told" in refused("compare", "lab.toml", "x")
@@ -133,12 +141,12 @@ def test_a_pick_up_across_the_drive_hears_it_by_its_slant(simulated, model):
     assert np.median(level_of(of.measured)[0, :, channel("mast-top-z")]) < 0.2 * np.median(floor)
 
 
-def test_motions_that_are_said_to_be_far_smaller_than_they_are_show(lab, answer):
-    lab(stated=0.002)
-    found = answer("compare", "lab.toml", "x")
-    assert found["fitted_chi2_per_dof"] > 1.5 or "failed" in [one["verdict"] for one in found["errors"]]
+def test_motions_that_are_said_to_be_far_smaller_than_they_are_show(simulated, model):
+    found = fit(Problem(predictions(model, [replace(simulated(), cross_motion=0.002)])).thinned(), FITTED)
+    assert found.tolerance_z2 > 5 * found.tolerances  # they pay for what they are not
 
 
+@pytest.mark.proof  # two whole evaluations; the floor itself is held by the pick-up across the drive
 def test_what_nobody_recorded_is_no_noise_that_errors_are_relieved_of(simulated, model):
     sound, soft = (Study.of(model, Data(campaigns=(simulated(*one),))).evaluation() for one in ((), ("modulus:mast=-0.4",)))
     assert 1 < sound.plain.percent < sound.nominal.percent < 0.5 * soft.nominal.percent

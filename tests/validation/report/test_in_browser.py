@@ -9,23 +9,26 @@ import pytest
 SURFACE = "document.querySelector('.plot')._fullLayout.paper_bgcolor"
 
 
-def test_from_the_disk_it_draws_everything_asks_nobody_and_fits_its_window(opened, page):
+@pytest.fixture(scope="module")
+def light(opened, page):
+    """The page in one tab for those who leave it as it was: to draw every figure takes seconds."""
     with opened(page) as found:
-        assert found.tab.evaluate("document.documentElement.dataset.drawn") == "all"
-        drawn = found.tab.evaluate(
-            "[...document.querySelectorAll('.plot')].map(plot => plot.querySelectorAll('.main-svg').length)"
-        )
-        assert drawn
-        assert all(drawn)
+        yield found
         assert found.complaints == []
-        assert {url.partition(":")[0] for url in found.requests} <= {"file", "data", "blob"}
-        assert [url for url in found.requests if url.startswith("file")] == [page.as_uri()]
-        for width in (1920, 1366, 500):
-            found.tab.set_viewport_size({"width": width, "height": 900})
-            found.becomes(f"document.documentElement.scrollWidth <= {width}", True)
-            found.becomes(
-                "[...document.querySelectorAll('.plot')].every(one => one._fullLayout.width <= one.clientWidth + 1)", True
-            )
+
+
+def test_from_the_disk_it_draws_everything_asks_nobody_and_fits_its_window(light, page):
+    assert light.tab.evaluate("document.documentElement.dataset.drawn") == "all"
+    drawn = light.tab.evaluate("[...document.querySelectorAll('.plot')].map(plot => plot.querySelectorAll('.main-svg').length)")
+    assert drawn
+    assert all(drawn)
+    assert light.complaints == []
+    assert {url.partition(":")[0] for url in light.requests} <= {"file", "data", "blob"}
+    assert [url for url in light.requests if url.startswith("file")] == [page.as_uri()]
+    for width in (1920, 500, 1366):
+        light.tab.set_viewport_size({"width": width, "height": 900})
+        light.becomes(f"document.documentElement.scrollWidth <= {width}", True)
+        light.becomes("[...document.querySelectorAll('.plot')].every(one => one._fullLayout.width <= one.clientWidth + 1)", True)
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -45,20 +48,19 @@ def test_light_and_dark_follow_the_reader_and_the_switch_and_every_text_stands_o
         assert found.complaints == []
 
 
-def test_any_entry_is_chosen_by_keyboard_and_a_table_copies_with_all_digits(opened, page, read):
-    with opened(page) as found:
-        for part, below in (("load", 3), ("motion", 4)):
-            found.tab.focus(f"select[data-choice='entry-0'][data-part='{part}']")
-            for key in ("Home", *below * ("ArrowDown",)):
-                found.tab.keyboard.press(key)
-        found.becomes("document.querySelector('.plot[data-group=entry-0]').layout.title.text.slice(0, 4)", "H αβ")
-        found.tab.select_option("select[data-choice='map-0']", "2")
-        found.becomes("document.querySelector('.plot[data-group=map-0]').layout.title.text.includes('the z-sweep')", True)
-        found.tab.evaluate("navigator.clipboard.writeText = async (text) => { window.copied = text; }")
-        found.tab.locator("#where .table", has_text="The four errors").first.locator("button.copy").click()
-        found.becomes("window.copied !== undefined", True)
-        lines = [line.split("\t") for line in found.tab.evaluate("window.copied").split("\n")]
-        assert found.tab.inner_text("#told") == "The table is copied: paste it into a spreadsheet."
+def test_any_entry_is_chosen_by_keyboard_and_a_table_copies_with_all_digits(light, read):
+    for part, below in (("load", 3), ("motion", 4)):
+        light.tab.focus(f"select[data-choice='entry-0'][data-part='{part}']")
+        for key in ("Home", *below * ("ArrowDown",)):
+            light.tab.keyboard.press(key)
+    light.becomes("document.querySelector('.plot[data-group=entry-0]').layout.title.text.slice(0, 4)", "H αβ")
+    light.tab.select_option("select[data-choice='map-0']", "2")
+    light.becomes("document.querySelector('.plot[data-group=map-0]').layout.title.text.includes('the z-sweep')", True)
+    light.tab.evaluate("navigator.clipboard.writeText = async (text) => { window.copied = text; }")
+    light.tab.locator("#where .table", has_text="The four errors").first.locator("button.copy").click()
+    light.becomes("window.copied !== undefined", True)
+    lines = [line.split("\t") for line in light.tab.evaluate("window.copied").split("\n")]
+    assert light.tab.inner_text("#told") == "The table is copied: paste it into a spreadsheet."
     errors = read.table("The four errors")
     assert [line[0] for line in lines] == [row[0] for row in errors.rows]
     assert float(lines[2][1]) == errors.row("plain error")[1]
@@ -79,21 +81,19 @@ def test_paper_is_light_and_without_controls(opened, page, tmp_path):
         assert found.tab.evaluate(SURFACE) == "#171b22"
 
 
-def test_no_click_leads_out_of_the_house(opened, page, leaves_by_no_click):
-    with opened(page) as found:
-        leaves_by_no_click(found.tab, {"file", "data", "blob"})
-        assert found.complaints == []
+def test_no_click_leads_out_of_the_house(light, leaves_by_no_click):
+    leaves_by_no_click(light.tab, {"file", "data", "blob"})
+    assert light.complaints == []
 
 
-def test_what_would_share_a_figure_has_nowhere_to_go(opened, page):
+def test_what_would_share_a_figure_has_nowhere_to_go(light):
     """The function that plotly.js offers for it is still in its script: nothing calls it, and it has no address."""
-    with opened(page) as found:
-        context = found.tab.evaluate(
-            "[...document.querySelectorAll('.plot')].map(({ _context: one }) =>"
-            " [one.plotlyServerURL, one.showSendToCloud, one.displaylogo])"
-        )
-        assert context
-        assert {tuple(one) for one in context} == {("", False, False)}
+    context = light.tab.evaluate(
+        "[...document.querySelectorAll('.plot')].map(({ _context: one }) =>"
+        " [one.plotlyServerURL, one.showSendToCloud, one.displaylogo])"
+    )
+    assert context
+    assert {tuple(one) for one in context} == {("", False, False)}
 
 
 def test_no_script_of_the_page_holds_a_foreign_address_and_one_is_seen_elsewhere(page, elsewhere):

@@ -3,19 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from validation.report.document import (
-    NOTHING,
-    Column,
-    Grid,
-    Number,
-    Safe,
-    joined,
-    number,
-    table,
-    tag,
-    toleranced,
-    worded,
-)
+from validation.report.document import NOTHING, Column, Grid, Number, Safe, joined, number, table, tag, toleranced, worded
 
 
 @given(st.text())
