@@ -527,15 +527,9 @@ def stored() -> Callable[[str], list[Answer]]:
     return lambda kind: [read(path) for path in sorted((STORED / kind).iterdir())]
 
 
-SEVERAL_DIAGNOSES = ("two-faults", "own-effect", "workbench")
-"""Kinds whose commands others ask as well, of one fault or without a page: each has several diagnoses; `make proof` asks them."""
-
-
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if "kind" in metafunc.fixturenames:
-        metafunc.parametrize(
-            "kind", [pytest.param(name, marks=[pytest.mark.proof] * (name in SEVERAL_DIAGNOSES)) for name in kinds()]
-        )
+        metafunc.parametrize("kind", kinds())
 
 
 @pytest.fixture

@@ -136,7 +136,7 @@ def test_in_place_of_an_effect_its_own_node_brings_what_it_brought_and_a_size_is
 def test_a_node_that_is_tried_bends_as_what_carries_a_large_mass_does(study, monkeypatch):
     """The modes of what is sound do not hold that: a fit of 10 kg at the true node of a frame was thousands of nats dearer."""
 
-    def seen(data, at, added):
+    def seen(data, at, added, **_):
         heavy = replace(added, named=replace(added.named, values={"": 100.0}), fixed=True)
         (known,), (right,) = data.tests, study.ready_at([added.named.target]).tests
         lines = np.arange(len(known.measured.frequency))
