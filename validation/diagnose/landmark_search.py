@@ -248,8 +248,7 @@ class DistantView:
     def looked_at(self, node: LandmarkFit, rest: LandmarkFit, variance: float) -> "LookedAt":
         """The newest effect of `node` that `rest` has not."""
         added = next(one for one in reversed(node.effects) if one.named.id not in rest.ids)
-        gained = node.log_evidence(variance) - rest.log_evidence(variance)
-        return LookedAt(added=added, evidence=gained, misfit=self.misfit(node))
+        return LookedAt(added=added, evidence=node.log_evidence(variance) - rest.log_evidence(variance), misfit=self.misfit(node))
 
     def needed(self, data: Study, nodes: Sequence[LandmarkFit], start: LandmarkFit, variance: float) -> LandmarkFit:
         """That of `nodes`, each of which has the effects of `start`, that has no effect more than can be told.
@@ -467,9 +466,8 @@ class FromAfar:
             beam = [newest[id(one)] for one in _diverse([one.effects[-1] for one in ordered], KEPT)]
         while beam:  # what came first may only have stood for what came after: each is asked once more beside the others
             first = max(beam, key=lambda one: one.log_evidence(variance))
-            least = first.log_evidence(variance) - EVIDENCE_THRESHOLD
             rests: dict[frozenset[str], LandmarkFit] = {}
-            for node in (one for one in beam if one.log_evidence(variance) > least):
+            for node in (one for one in beam if one.log_evidence(variance) > first.log_evidence(variance) - EVIDENCE_THRESHOLD):
                 for one in node.effects[len(start.effects) :]:
                     if (ids := node.ids - {one.named.id}) not in asked | rests.keys():
                         rests[ids] = without(node, one)
@@ -480,8 +478,7 @@ class FromAfar:
         best = view.needed(data, [one for one in nodes.values() if one.ids >= start.ids], start, variance)
         gains: dict[str, float] = {}
         for added in best.effects:
-            # What mechanics states is there wherever it acts, and is named where it brings enough by itself
-            of, rest = (view.explained((added,)), base) if added.fixed else (best, without(best, added))
+            of, rest = (view.explained((added,)), base) if added.fixed else (best, without(best, added))  # stated: by itself
             gains[added.named.id] = of.log_evidence(variance) - rest.log_evidence(variance)
         faint = {one.named.id for one in best.effects if one.fixed and gains[one.named.id] < evidence_threshold(one.named.family)}
         if faint:
@@ -495,8 +492,7 @@ class FromAfar:
         }
         if any(len(ids) > MOST_ALIKE for ids in alike.values()):
             return None
-        with_one = [node for node in nodes.values() if len(node.effects) == len(start.effects) + 1]
-        with_one += [start] if start.effects else []
+        with_one = [one for one in nodes.values() if len(one.effects) == len(start.effects) + 1 or (one is start is not base)]
         beside_best = [node for node in nodes.values() if node.ids > best.ids and len(node.effects) == len(best.effects) + 1]
         nearest = max(beside_best, key=lambda one: one.log_evidence(variance), default=None)
         return cls(

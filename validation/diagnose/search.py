@@ -515,7 +515,11 @@ def _over(ready: Study, data: Study, of: Candidate) -> Candidate:
     if ready is data:
         return of
     problem = ready.problem(of.effects)
-    return recentred(ready, replace(of, fit=child(problem, FITTED, of.fit, of.fit.by_name), problem=problem))
+    try:
+        fit = nearby(problem, FITTED, of.fit.by_name)
+    except CheckFailed:  # over more coordinates the model breaks down there
+        fit = nearby(problem, FITTED, _declared(problem, of.fit))
+    return recentred(ready, replace(of, fit=fit, problem=problem))
 
 
 def _fit_in_place(data: Study, at: Candidate, rest: Candidate, added: Added, *, worth: float = inf) -> Candidate:

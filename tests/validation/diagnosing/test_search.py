@@ -711,3 +711,23 @@ def test_one_tolerance_alone_refuses_and_everything_that_refuses_is_said(noisy):
     found = search.goodness_of_fit(fitted(misfit=2.0, z=np.full(COUNT, 6.0)), noisy)
     assert found.text.count(";") == 2
     assert not found.null
+
+
+def test_what_breaks_down_over_more_coordinates_begins_there_where_tolerances_are_declared(monkeypatch):
+    """A plate with a spring ended in a traceback: its tolerances stood where coordinates that are new keep no stiffness."""
+    begun: list[object] = []
+
+    def fitted_from(problem, kinds, begin):
+        begun.append(begin)
+        if len(begun) == 1:
+            raise CheckFailed("it breaks down")
+        return "a fit"
+
+    monkeypatch.setattr(search, "nearby", fitted_from)
+    monkeypatch.setattr(search, "_declared", lambda problem, fit: {"home": 0.0})
+    monkeypatch.setattr(search, "recentred", lambda data, of: of)
+    far = Candidate(effects=(), fit=SimpleNamespace(by_name={"far": 9.0}), problem=None)
+    wider = SimpleNamespace(problem=lambda effects: "over more")
+    assert search._over(wider, SimpleNamespace(), far).fit == "a fit"
+    assert begun == [{"far": 9.0}, {"home": 0.0}]
+    assert search._over(wider, wider, far) is far
