@@ -86,11 +86,11 @@ def core() -> dict[str, Distribution]:
 def installed(wheel: zipfile.ZipFile, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An environment that holds the wheel, installed by pip, and of the locked packages the core alone; its `bin`."""
     folder = tmp_path_factory.mktemp("installed")
-    venv.create(folder, symlinks=True)
-    # By the pip of this environment, isolated: what the tests have on their path is not what the other has
-    pip = [sys.executable, "-I", "-m", "pip", "--python", str(folder / "bin" / "python")]
-    install = ["install", "--quiet", "--no-index", "--no-deps", str(wheel.filename)]
-    subprocess.run([*pip, *install], check=True, capture_output=True)
+    venv.create(folder, with_pip=True, symlinks=True)
+    python = folder / "bin" / "python"
+    # Isolated: what the tests have on their path is not what this environment has
+    pip = [str(python), "-I", "-m", "pip", "install", "--quiet", "--no-index", "--no-deps", str(wheel.filename)]
+    subprocess.run(pip, check=True, capture_output=True)
     (site,) = folder.glob("lib/python3*/site-packages")
     for one in core().values():
         for name in {file.parts[0] for file in one.files or () if ".." not in file.parts and file.parts[0] != "__pycache__"}:
@@ -123,7 +123,11 @@ def test_the_installed_package_hands_on_its_names(installed: Path, tmp_path: Pat
 
 @pytest.mark.parametrize(
     ("command", "extra"),
-    [(("reference", "clumod-1"), "cad"), (("modes", "clumod-1", "--model", "solid"), "gpl"), (("app", "--no-browser"), "app")],
+    [
+        (("reference", "clumod-1"), "cad"),
+        (("modes", "clumod-1", "--model", "solid"), "gpl"),
+        (("app", "--no-browser"), "app"),
+    ],
     ids=lambda one: one if isinstance(one, str) else one[0],
 )
 def test_an_installed_command_that_lacks_its_extra_says_which(

@@ -27,8 +27,8 @@ def test_without_a_name_it_goes_under_out_after_the_model(run, series, report, m
     monkeypatch.setattr(page, "html", lambda *_: "<!DOCTYPE html>")
     code, out, said = run("report", str(series.model), *series.data)
     assert (code, out) == (0, "")
-    assert "wrote out/cuboid-report.html" in said
-    assert Path("out/cuboid-report.html").read_text("utf-8").startswith("<!DOCTYPE html>")
+    assert "wrote out/model-report.html" in said
+    assert Path("out/model-report.html").read_text("utf-8").startswith("<!DOCTYPE html>")
 
 
 def test_an_interruption_leaves_the_page_that_was_there(run, series, report, monkeypatch):
