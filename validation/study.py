@@ -358,15 +358,19 @@ class Study:
             without(whole, named(whole, names))  # refused before minutes are spent
         return replace(opened, hold_out=names)
 
-    def ready_at(self, positions: Sequence[str]) -> Self:
-        """The same with tests made ready for effects at `positions`, places that are written as coordinates.
+    def ready_at(self, positions: Sequence[str], *, anew: bool = True) -> Self:
+        """The same with tests made ready for effects at `positions`, places that are written as coordinates; where not `anew`
+        for such as are tried, and may be tried no better (`ReducedStructure.at`).
 
         Raises
         ------
         BadInput, CheckFailed : outside the mesh of a structure.
         """
+        tests = structure_tests.ready_at(self.tests, positions, anew=anew)
+        if not anew:
+            return replace(self, tests=tests)
         model = replace(self.model, looked_at=tuple(dict.fromkeys((*self.model.positions, *positions))))
-        return replace(self, model=model, tests=structure_tests.ready_at(self.tests, positions))
+        return replace(self, model=model, tests=tests)
 
     def by(self, model: Model) -> Self:
         """The same data by a `model` of the same structure with other effects; spectra are not made again."""

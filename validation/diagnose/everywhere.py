@@ -468,7 +468,7 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
             if here.id in asked:
                 break
             asked.add(here.id)
-            ready = data.ready_at([here.target])
+            ready = data.ready_at([here.target], anew=False)
             start, effect = replace(base, problem=ready.problem(base.effects)), Added(named=here)
             way, enough = restarted_from_priors if can_restart(effect) else fit_with, worth(base, tried)
             there = way(ready, start, effect, worth=enough)
@@ -525,7 +525,7 @@ def elsewhere(data: Study, rest: Candidate, there: Candidate) -> tuple[tuple[Stu
         if again.id not in {one.named.id for one in there.effects} and not np.allclose(search.points[node], point):
             looked = 0.0 if named is not None else float(np.log(len(search.points))) + INDISTINGUISHABLE_NATS
             found.setdefault(place, (Added(named=again), looked))
-    ready = data.ready_at([*found]) if found else data
+    ready = data.ready_at([*found], anew=False) if found else data
     return tuple((ready, *one) for one in found.values())
 
 

@@ -272,8 +272,8 @@ class Nuisances:
     weighed: float = 0.0
     last: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
-    def at_positions(self, positions: Sequence[str]) -> "Nuisances":
-        """The same made ready for effects at further `positions`, which are written as coordinates.
+    def at_positions(self, positions: Sequence[str], *, anew: bool = True) -> "Nuisances":
+        """The same made ready for effects at further `positions`, which are written as coordinates; `anew` as there.
 
         Raises
         ------
@@ -281,7 +281,7 @@ class Nuisances:
         """
         if self.reduced is None:
             raise CheckFailed("Nothing is known of this structure but its reduced matrices: name a place.")
-        made = self.reduced.at(positions)
+        made = self.reduced.at(positions, anew=anew)
         return replace(self, nominal=made.matrices, frequency=made.frequency[: len(self.frequency)], reduced=made)
 
     @cached_property

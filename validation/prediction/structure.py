@@ -244,8 +244,12 @@ def _on_shapes(
     frequency: Array,
     damping: Damping,
     modes: Modes | None = None,
+    unresolved: Mapping[str, Array] | None = None,
 ) -> Matrices:
-    """Matrices on `shapes` (f, k) alone, the base held still; the first of them are the modes of `frequency` (n,)."""
+    """Matrices on `shapes` (f, k) alone, the base held still; the first of them are the modes of `frequency` (n,).
+
+    What is `unresolved` is looked for in the mesh, unless it is known.
+    """
     n = frequency.size
     S, C_u = fem_damping.structural_matrix(damping, structure), fem_damping.viscous_matrix(damping, structure)
     viscous = np.zeros((shapes.shape[1], shapes.shape[1])) if C_u is None else _congruent(restricted(C_u, free.free), shapes)
@@ -259,6 +263,8 @@ def _on_shapes(
         return _on_its_own(restricted(share, free.free), shapes)
 
     squares = np.pad((2 * np.pi * frequency) ** 2, (0, shapes.shape[1] - n))
+    if unresolved is None:
+        unresolved = {} if structure.elements is None else _unresolved(structure.elements, free.expand(shapes), squares)
     springs = {name: joint_springs(structure, name) for name in structure.joints}
     whole = free.expand(shapes) if any(springs.values()) else shapes
     return Matrices(
@@ -281,7 +287,7 @@ def _on_shapes(
             if one is not None
         },
         sections=each(_held(structure.sections, shapes.shape[1]), lambda both: (on_shapes(both[0]), on_shapes(both[1]))),
-        unresolved={} if structure.elements is None else _unresolved(structure.elements, free.expand(shapes), squares),
+        unresolved=unresolved,
         shells=() if structure.elements is None else tuple(_by_sheet(dict.fromkeys(structure.elements.shells, 0))),
         geometric=on_shapes(sum(structure.geometric.values())) if structure.geometric else np.zeros((0, 0)),
     )
@@ -599,15 +605,38 @@ class ReducedStructure:
     losses: Mapping[str, float]
     basis: Array
 
-    def at(self, positions: Sequence[str]) -> "ReducedStructure":
+    def at(self, positions: Sequence[str], *, anew: bool = True) -> "ReducedStructure":
         """The same made ready for effects at further `positions`, which are written as coordinates.
+
+        Parameters
+        ----------
+        anew : reduced once more; else static answers there come beside the coordinates that there are, to which parts that
+            change do not answer again: for what is tried, a hundredth of the cost
 
         Raises
         ------
         BadInput, CheckFailed : outside the mesh, or no coordinates are known.
         """
         whole = with_positions(self.structure, positions)
-        return by_itself(whole, self.band, damping=self.damping)
+        if anew:
+            return by_itself(whole, self.band, damping=self.damping)
+        if whole is self.structure:
+            return self
+        free, of = hold(whole), self.matrices
+        shapes, top = self.basis[free.free], 2 * np.pi * self.band
+        soft = 0.1 * (2 * np.pi * self.frequency[0]) ** 2 if of.rigid.any() else 0.0
+        A = free.stiffness + soft * free.mass
+        rows = np.vstack([row.toarray()[:, free.free] for name, row in whole.places.items() if name not in self.structure.places])
+        static = factorise(A.tocsc(), definite=True).solve(np.asarray(rows.T))
+        own = shapes.T @ (A @ shapes)
+        for _ in range(2):  # once more, for what rounding leaves of it
+            static = static - shapes @ np.linalg.solve(own, shapes.T @ (A @ static))
+        energy, directions = np.linalg.eigh(static.T @ (A @ static))
+        kept = energy > SMALL * energy.max(initial=LEAST)
+        more = top * static @ (directions[:, kept] / np.sqrt(energy[kept]))
+        basis, grown = np.hstack([shapes, more]), (0, more.shape[1])
+        moves, coarse = np.pad(of.rigid, ((0, 0), grown)), each(of.unresolved, lambda share: np.pad(share, grown))
+        return _on_basis(whole, self.band, self.damping, free, basis, self.frequency, moves, of.cog, coarse)
 
     def nodes(self) -> tuple[Array, Integers]:
         """(p, 3) [m] nodes that move, and (p, 3) the rows of `basis` by which they do."""
@@ -650,32 +679,47 @@ def by_itself(structure: Structure, band: float, *, damping: Damping | None = No
             "freely. Hold it, or stiffen the joint.",
         )
     frequency = np.sqrt(values) / (2 * np.pi)
-    used = damping or default_damping(structure)
     rows = _displacement(structure, free, NOWHERE, None)
     soft = 0.1 * float(values[0]) if rigid.size else 0.0
     factor = None if rigid.size else pairs.factor
     del pairs, left  # of what floats the factors are others, and the first need not stay
     basis = bent_far(structure, free, np.hstack([vectors, rigid]), frequency, rows, band, soft, factor)
-    made = _on_shapes(structure, free, basis, rows, frequency, used)
     moves = np.zeros((6, basis.shape[1]))
     cog = np.zeros(3)
     if rigid.size and structure.rigid_mass[0, 0] > 0:
         whole = Inertia.from_mass_matrix(structure.rigid_mass, structure.reference_point).about(np.zeros(3))
         cog = whole.cog
     if rigid.size:
-        own = slice(len(frequency), len(frequency) + rigid.shape[1])
+        n = len(frequency)
         T = np.linalg.inv(rigid_transformation_6(structure.reference_point))
-        moves[:, own] = T @ directions[:, kept] / np.sqrt(square[kept])
-        strains = np.ones(basis.shape[1])
-        strains[own] = 0.0  # by itself no more than to rounding of the stiffest joint
-        made = replace(made, stiffness=made.stiffness * np.outer(strains, strains))
+        moves[:, n : n + rigid.shape[1]] = T @ directions[:, kept] / np.sqrt(square[kept])
+    return _on_basis(structure, band, damping, free, basis, frequency, moves, cog)
+
+
+def _on_basis(
+    structure: Structure,
+    band: float,
+    damping: Damping | None,
+    free: HeldBase,
+    basis: Array,
+    frequency: Array,
+    moves: Array,
+    cog: Array,
+    unresolved: Mapping[str, Array] | None = None,
+) -> ReducedStructure:
+    """`structure` on the coordinates `basis` (f, k), first the modes of `frequency`; `moves` (6, k) as a rigid body."""
+    used = damping or default_damping(structure)
+    rows = _displacement(structure, free, NOWHERE, None)
+    made = _on_shapes(structure, free, basis, rows, frequency, used, unresolved=unresolved)
+    strains = np.where(moves.any(axis=0), 0.0, 1.0)  # rounding beside a stiff joint strains rigid motions as a soft mode does
     moved = free.expand(basis)
     slopes = {name: one @ moved for name, one in gradients(structure, tuple(structure.places)).items()}
+    stiffness = made.stiffness * np.outer(strains, strains)
     return ReducedStructure(
         structure=structure,
         damping=damping,
         band=band,
-        matrices=replace(made, cog=cog, rigid=moves, gradients=slopes),
+        matrices=replace(made, stiffness=stiffness, cog=cog, rigid=moves, gradients=slopes),
         frequency=frequency,
         losses=used.loss_factors,
         basis=moved,

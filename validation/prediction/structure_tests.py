@@ -164,8 +164,11 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
     )
 
 
-def ready_at(tests: Sequence[StructurePrediction], positions: Sequence[str]) -> tuple[StructurePrediction, ...]:
-    """`tests` by the same models, made ready for effects at `positions`, which are written as coordinates.
+def ready_at(
+    tests: Sequence[StructurePrediction], positions: Sequence[str], *, anew: bool = True
+) -> tuple[StructurePrediction, ...]:
+    """`tests` by the same models, made ready for effects at `positions`, which are written as coordinates; `anew` as in
+    `ReducedStructure.at`.
 
     Raises
     ------
@@ -176,7 +179,7 @@ def ready_at(tests: Sequence[StructurePrediction], positions: Sequence[str]) -> 
     for one in tests:
         if isinstance(one, OnNodes) and one.structure.reduced is not None:
             of = one.structure
-            known = made.get(id(of)) or made.setdefault(id(of), of.at_positions(positions))
+            known = made.get(id(of)) or made.setdefault(id(of), of.at_positions(positions, anew=anew))
             found.append(one.by(known))
         else:
             found.append(one)

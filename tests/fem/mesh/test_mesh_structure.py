@@ -223,6 +223,21 @@ def test_few_bolts_may_give_one_by_one_and_a_seam_of_them_holds(meshed: Meshed, 
     assert len(joints) == (count if count == model.SEAM else 0)
 
 
+@pytest.mark.parametrize("support", ['support = "ground"\ninterface = ["root"]', 'support = "free"'])
+def test_a_place_that_is_tried_answers_as_one_that_was_reduced_anew(
+    meshed: Meshed, support: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known, place = by_itself(meshed(chain(8), HALVES, support=support), 100.0), "@0.375,0,0"
+    anew = known.at([place])
+    monkeypatch.setattr("validation.prediction.structure.by_itself", lambda *_, **__: pytest.fail("it was reduced anew"))
+    tried = known.at([place], anew=False)
+    assert known.at([], anew=False) is known
+    for kg in (0.1, 10.0):
+        ends = [FAMILIES["point-mass"].change(one.matrices, (place,), {"": kg}) for one in (anew, tried)]
+        wanted, found = (np.sort(real_modes(one).squares)[6 * anew.structure.floating :][:4] for one in ends)
+        assert_allclose(found, wanted, rtol=1e-6)
+
+
 def test_a_body_at_a_place_turns_with_a_solid(meshed: Meshed) -> None:
     points, elements = bricks((2, 2, 1), (0.2, 0.2, 0.1), "C3D8")
     body = '[fe_model.masses.box]\nat = ["0.1 m", "0.1 m", "0.1 m"]\nmass = "3 kg"\n'
