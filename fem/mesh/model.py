@@ -416,8 +416,8 @@ class _Carrier:
 
 
 SEAM = 6
-"""[count] of links between the same two parts of which each may give by itself; more are a seam, which holds as a weld does. Held
-by tests/fem/mesh/test_mesh_structure.py."""
+"""[count] of links between the same parts, or a part and the ground, of which each may give by itself; more are a seam, which
+holds as a weld does. Held by tests/fem/mesh/test_mesh_structure.py."""
 
 
 def _carriers(found: described.MeshDescription, tags: Integers, blocks: Sequence[Block], sets: Sets) -> Iterator[_Carrier]:
@@ -426,18 +426,28 @@ def _carriers(found: described.MeshDescription, tags: Integers, blocks: Sequence
     Parts that are welded to each other there ride as one.
     """
     nodes = {name: np.unique(np.concatenate([b.nodes.ravel() for b in blocks if b.part == name])) for name in found.parts}
-    riding: dict[str, tuple[Integers, dict[str, Integers]]] = {}
+    turning = np.unique(np.concatenate([np.zeros(0, np.intp), *(b.nodes.ravel() for b in blocks if b.kind not in solids.KINDS)]))
+    riding, between = dict[str, tuple[Integers, dict[str, Integers]]](), dict[str, tuple[str, ...]]()
     for link, stated in found.riding.items():
         riders = _chosen(found, sets, tags, stated.nodes, f"links.{link}.nodes")
-        own = {name: some for name, each in nodes.items() if len(some := np.intersect1d(riders, each))}
-        riding[link] = riders, own if sum(map(len, own.values())) == len(riders) else {}
-    alike = Counter(tuple(own) for _, own in riding.values())
-    for link, (riders, own) in riding.items():
-        first = 0 if found.support == "ground" and link in found.interface else 1
-        apart = [] if alike[tuple(own)] > SEAM else list(own)[first:]
-        yield _Carrier(link=link, riders=np.setdiff1d(riders, [node for part in apart for node in own[part]]))
-        for part in apart:
-            yield _Carrier(link=link, riders=own[part], part=part)
+        own: dict[str, Integers] = {}
+        for name, each in nodes.items():
+            some = np.intersect1d(riders, each)
+            for other in [one for one in own if len(np.intersect1d(own[one], some))]:
+                name, some = other, np.union1d(own.pop(other), some)
+            if len(some):
+                own[name] = some
+        held = found.support == "ground" and link in found.interface
+        # One node of solids has no rotations by which it could hold what rides on it
+        apart = [name for name in list(own)[0 if held else 1 :] if len(own[name]) > 1 or np.isin(own[name], turning).all()]
+        riding[link] = riders, {name: own[name] for name in apart}
+        between[link] = ("ground",) * held + tuple(own)
+    alike = Counter(between[link] for link, (_, apart) in riding.items() if apart)
+    for link, (riders, parted) in riding.items():
+        joined = {} if alike[between[link]] > SEAM else parted
+        yield _Carrier(link=link, riders=np.setdiff1d(riders, np.concatenate([riders[:0], *joined.values()])))
+        for part, each in joined.items():
+            yield _Carrier(link=link, riders=each, part=part)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -110,7 +110,7 @@ def goodness_of_fit(fit: Fit, problem: Problem) -> GoodnessOfFit:
     spreads = np.array([one.measured.noise_spread for one in problem.predictions])
     sd = float(np.linalg.norm(spreads * np.array(sums)) / max(np.array(sums).sum(), tiny))
     due, share = max(expected_z2(fit), 1.0), float(np.mean(np.concatenate(shares)))
-    left = 1.0 if (own := due_misfit(fit, problem, as_read=False)) is None else min(own / share, 1.0)
+    left = 1.0 if (own := due_misfit(fit, problem, as_read=False)) is None else min(max(own, 0.0) / share, 1.0)
     return GoodnessOfFit(
         misfit=misfit(fit),
         limit=share * (left + SCATTER * sqrt(2 * left / max(fit.degrees_of_freedom, 1) + (left * sd) ** 2)),

@@ -667,7 +667,7 @@ def plausible(of: Nuisances, named: Named, size: SizeSpec) -> float:
     modes = len(of.frequency)
     if of.nominal.base or not modes or size.logarithmic or _family(named).stage != STRUCTURE_STAGE:
         return size.plausible
-    step = min(NEXT_TO_NOTHING * size.plausible, COARSE * _straight(named, of.nominal, inf))
+    step = min(NEXT_TO_NOTHING * size.plausible, COARSE * _straight(_with(named, size, size.null), of.nominal, inf))
     before, after = (_changed(_with(named, size, size.null + one), of.nominal) for one in (0.0, step))
     squares = (2 * np.pi * of.frequency) ** 2
     K, M, S = ((np.diag(getattr(after, one)) - np.diag(getattr(before, one)))[:modes] / step for one in FIELDS_OF_FAULTS)

@@ -611,7 +611,7 @@ class ReducedStructure:
         Parameters
         ----------
         anew : reduced once more; else static answers there come beside the coordinates that there are, to which parts that
-            change do not answer again: for what is tried, a hundredth of the cost
+            change do not answer again: for what is tried, at a part of the cost
 
         Raises
         ------
@@ -628,11 +628,11 @@ class ReducedStructure:
         A = free.stiffness + soft * free.mass
         rows = np.vstack([row.toarray()[:, free.free] for name, row in whole.places.items() if name not in self.structure.places])
         static = factorise(A.tocsc(), definite=True).solve(np.asarray(rows.T))
-        own = shapes.T @ (A @ shapes)
+        own, whole_energy = shapes.T @ (A @ shapes), np.sum(static * (A @ static), axis=0).max(initial=LEAST)
         for _ in range(2):  # once more, for what rounding leaves of it
             static = static - shapes @ np.linalg.solve(own, shapes.T @ (A @ static))
         energy, directions = np.linalg.eigh(static.T @ (A @ static))
-        kept = energy > SMALL * energy.max(initial=LEAST)
+        kept = energy > SMALL * whole_energy  # what is there already leaves rounding alone
         more = top * static @ (directions[:, kept] / np.sqrt(energy[kept]))
         basis, grown = np.hstack([shapes, more]), (0, more.shape[1])
         moves, coarse = np.pad(of.rigid, ((0, 0), grown)), each(of.unresolved, lambda share: np.pad(share, grown))

@@ -393,11 +393,15 @@ def model(
         if out is None or out.resolve() == own.resolve():
             problem = f"the structure of {article} is described in {own}, and the study is a file beside it"
             raise BadInput(source="--out", problem=problem, remedy="Name the study, as in --out study.toml")
+        if own.exists() and units is not None:
+            problem = f"the structure is described in {own} already, which states its units"
+            raise BadInput(source="--units", problem=problem, remedy="Leave it out, or take the description away")
         if not own.exists():
+            lost = deck.described(Path(article), units)[1]
             with suppress(CheckFailed):  # said behind the study
                 model(article, own, force=force, units=units)
         model(str(own), out, force=force, tests=tests)
-        _require_all(article, deck.described(Path(article), units)[1])
+        _require_all(article, lost)
         return
     if program is not None:
         text = write_back.written(model_file.read(article), program)

@@ -452,6 +452,8 @@ def test_a_deck_and_its_test_become_description_and_study_in_one_step(
     Path("one.toml").write_text(edited)
     assert main.run([*asked, "--force"]) == 0  # the study alone: what a description says may be one's own by now
     assert Path("one.toml").read_text() == edited
+    assert main.run([*asked, "--force", "--units", "mm-t-N-s"]) == 2
+    assert "states its units" in " ".join(capsys.readouterr().err.split())
 
 
 def test_units_are_of_a_deck_alone(capsys: pytest.CaptureFixture[str]) -> None:

@@ -229,6 +229,8 @@ def test_a_place_that_is_tried_answers_as_one_that_was_reduced_anew(
 ) -> None:
     known, place = by_itself(meshed(chain(8), HALVES, support=support), 100.0), "@0.375,0,0"
     anew = known.at([place])
+    small = by_itself(meshed(chain(2), HALVES, support=support), 5000.0)
+    assert small.at(["@0.5,0,0"], anew=False).basis.shape == small.basis.shape  # of which rounding alone is new
     monkeypatch.setattr("validation.prediction.structure.by_itself", lambda *_, **__: pytest.fail("it was reduced anew"))
     tried = known.at([place], anew=False)
     assert known.at([], anew=False) is known
@@ -236,6 +238,29 @@ def test_a_place_that_is_tried_answers_as_one_that_was_reduced_anew(
         ends = [FAMILIES["point-mass"].change(one.matrices, (place,), {"": kg}) for one in (anew, tried)]
         wanted, found = (np.sort(real_modes(one).squares)[6 * anew.structure.floating :][:2] for one in ends)
         assert_allclose(found, wanted, rtol=1e-6)
+
+
+def test_what_a_link_joins_is_told_by_the_parts_on_it(meshed: Meshed) -> None:
+    """Pick-ups on links count for no seam; two welded parts ride as one beside a third; one node of solids rides rigidly."""
+    ends = '[fe_model.links.one]\nat = ["0 m", "0 m", "0 m"]\nnodes = [1]\n'
+    ends += '[fe_model.links.other]\nat = ["1 m", "0 m", "0 m"]\nnodes = [9]\n'
+    ends += "".join(
+        f'[fe_model.links.pick-up-{k}]\nat = ["{(k - 1) / 8} m", "0 m", "5 mm"]\nnodes = [{k}]\n' for k in range(2, 9)
+    )
+    held = 'support = "ground"\ninterface = ["one", "other"]'
+    assert meshed(chain(8), HALVES, support=held, more=ends).joints == ("one@left", "other@right")
+    points = np.array([[0, 0, 0], [0.5, 0, 0], [1, 0, 0], [0.5, 0, 0.1], [0.5, 0, 0.6]])
+    three = abaqus(points, {"left": ("B31", [[1, 2]]), "right": ("B31", [[2, 3]]), "mast": ("B31", [[4, 5]])})
+    middle = f"[fe_model.parts.mast]\n{STEEL}\n{BEAM.replace(' }', ', z_axis = [1, 0, 0] }')}\n"
+    middle += '[fe_model.links.foot]\nat = ["0.5 m", "0 m", "0 m"]\nnodes = [2, 4]\n'
+    assert meshed(three, HALVES, support='support = "free"', more=middle).joints == ("foot@mast",)
+    points, elements = bricks((1, 1, 1), (0.2, 0.1, 0.1), "C3D8")
+    feet = [k for k, at in enumerate(points.tolist(), 1) if at[2] == 0]
+    bolts = "".join(f"[fe_model.links.f{k}]\nat = {[f'{x} m' for x in points[k - 1]]}\nnodes = [{k}]\n" for k in feet)
+    stands = f'support = "ground"\ninterface = {[f"f{k}" for k in feet]}'
+    block = meshed(abaqus(points, {"p": ("C3D8", elements)}), f"[fe_model.parts.p]\n{STEEL}\n", support=stands, more=bolts)
+    assert block.joints == ()
+    assert np.sqrt(lowest(block.stiffness, block.mass, 1).values[0]) > 2 * np.pi * 1000
 
 
 def test_a_body_at_a_place_turns_with_a_solid(meshed: Meshed) -> None:
