@@ -364,7 +364,7 @@ def _numbered(
             columns.append(np.tile(first[carrier] + SIX, count[rider]))
             values.append(T.ravel())
         if one.part:
-            joints[one.joint] = int(sets[one.link][0]), carrier
+            joints[f"{one.link}@{one.part}"] = int(sets[one.link][0]), carrier
         else:
             sets[one.link] = np.array([carrier], dtype=np.intp)
     carried = eye_array(size, format="csr")
@@ -408,11 +408,6 @@ class _Carrier:
     link: str
     riders: Integers
     part: str = ""
-
-    @property
-    def joint(self) -> str:
-        """Name of the joint."""
-        return f"{self.link}@{self.part}" if self.part else ""
 
 
 SEAM = 6

@@ -626,8 +626,9 @@ class ReducedStructure:
         shapes, top = self.basis[free.free], 2 * np.pi * self.band
         soft = 0.1 * (2 * np.pi * self.frequency[0]) ** 2 if of.rigid.any() else 0.0
         A = free.stiffness + soft * free.mass
-        rows = np.vstack([row.toarray()[:, free.free] for name, row in whole.places.items() if name not in self.structure.places])
-        static = factorise(A.tocsc(), definite=True).solve(np.asarray(rows.T))
+        rows = _displacement(whole, free, NOWHERE, None)
+        loads = np.vstack([row for name, row in rows.items() if name not in self.structure.places]).T
+        static = factorise(A.tocsc(), definite=True).solve(loads)
         own, whole_energy = shapes.T @ (A @ shapes), np.sum(static * (A @ static), axis=0).max(initial=LEAST)
         for _ in range(2):  # once more, for what rounding leaves of it
             static = static - shapes @ np.linalg.solve(own, shapes.T @ (A @ static))
@@ -636,7 +637,7 @@ class ReducedStructure:
         more = top * static @ (directions[:, kept] / np.sqrt(energy[kept]))
         basis, grown = np.hstack([shapes, more]), (0, more.shape[1])
         moves, coarse = np.pad(of.rigid, ((0, 0), grown)), each(of.unresolved, lambda share: np.pad(share, grown))
-        return _on_basis(whole, self.band, self.damping, free, basis, self.frequency, moves, of.cog, coarse)
+        return _on_basis(whole, self.band, self.damping, free, basis, rows, self.frequency, moves, of.cog, coarse)
 
     def nodes(self) -> tuple[Array, Integers]:
         """(p, 3) [m] nodes that move, and (p, 3) the rows of `basis` by which they do."""
@@ -693,7 +694,7 @@ def by_itself(structure: Structure, band: float, *, damping: Damping | None = No
         n = len(frequency)
         T = np.linalg.inv(rigid_transformation_6(structure.reference_point))
         moves[:, n : n + rigid.shape[1]] = T @ directions[:, kept] / np.sqrt(square[kept])
-    return _on_basis(structure, band, damping, free, basis, frequency, moves, cog)
+    return _on_basis(structure, band, damping, free, basis, rows, frequency, moves, cog)
 
 
 def _on_basis(
@@ -702,6 +703,7 @@ def _on_basis(
     damping: Damping | None,
     free: HeldBase,
     basis: Array,
+    rows: Rows,
     frequency: Array,
     moves: Array,
     cog: Array,
@@ -709,7 +711,6 @@ def _on_basis(
 ) -> ReducedStructure:
     """`structure` on the coordinates `basis` (f, k), first the modes of `frequency`; `moves` (6, k) as a rigid body."""
     used = damping or default_damping(structure)
-    rows = _displacement(structure, free, NOWHERE, None)
     made = _on_shapes(structure, free, basis, rows, frequency, used, unresolved=unresolved)
     strains = np.where(moves.any(axis=0), 0.0, 1.0)  # rounding beside a stiff joint strains rigid motions as a soft mode does
     moved = free.expand(basis)

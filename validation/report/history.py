@@ -1,7 +1,6 @@
 """`massline add`, `massline ladder` and `massline undo` from options to output."""
 
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -397,9 +396,9 @@ def model(
             problem = f"the structure is described in {own} already, which states its units"
             raise BadInput(source="--units", problem=problem, remedy="Leave it out, or take the description away")
         if not own.exists():
-            lost = deck.described(Path(article), units)[1]
-            with suppress(CheckFailed):  # said behind the study
-                model(article, own, force=force, units=units)
+            text, lost = deck.described(Path(article), units)
+            write_text(own, text)
+            click.echo(f"massline: wrote {own}.", err=True)
         model(str(own), out, force=force, tests=tests)
         _require_all(article, lost)
         return
