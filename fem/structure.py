@@ -61,7 +61,7 @@ class Structure:
     reference_point : (3,) [m], in the article's frame
     points : (p, 3) [m], places where the shape of a mode can be looked at, in the article's frame
     translations, rotations : (p, 3) the degrees of freedom that move those points along x, y, z and turn them about these axes;
-        rotations may be -1, where nothing turns, or left empty
+        -1 where they are held, of rotations also where nothing turns; rotations may be left empty
     part_stiffness : share of each part in `stiffness`, (n, n) sparse, together all of it; may be left empty
     part_mass : share of each part in `mass`, likewise
     loss_factors : structural loss factor [1] of the parts that have one

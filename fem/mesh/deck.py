@@ -1,6 +1,7 @@
 """A deck of Nastran, Abaqus or CalculiX as the description of its mesh: what it says beside nodes and elements, in SI.
 
-Carried over are materials, properties of solids, shells and beams, masses at nodes, rigid links, springs and where it is held.
+Carried over are materials, properties of solids, shells, beams and rods, masses at nodes, rigid links, springs and where it is
+held.
 Whatever else weighs, holds or joins is listed as lost, and never passed over.
 """
 
@@ -13,11 +14,12 @@ import numpy as np
 
 from fem.mesh import coordinates, files
 from fem.mesh.deck_text import deck_lines, keyword_of, real
-from fem.mesh.files import MeshFile, cards
+from fem.mesh.files import MeshFile, cards, own_property, property_names
 from fem.user_model.units import KNOWN, UnitSystem, unit_system
 from geometry import toml_file
+from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
-from geometry.frames import Array
+from geometry.frames import Array, Integers
 
 ELASTIC, DENSE, SOUND = (1e6, 1.3e12), (5.0, 22_600.0), (30.0, 14_000.0)
 """Young's modulus [Pa], density [kg/m³] and speed of sound [m/s] between which materials lie, from soft rubber and foam to
@@ -50,7 +52,7 @@ class Property:
     ----------
     material : its name or number
     thickness : of shells, else 0
-    section : keys of a beam's section with their values, none of others
+    section : keys of a beam's or rod's section with their values, none of others
     z_axis : direction of the section's height; none where the deck has several or none
     added : mass of no stiffness per area of shells or length of beams
     """
@@ -90,7 +92,8 @@ class Deck:
     mesh : its nodes, elements and groups
     materials, properties : by name or number, properties by group of elements
     masses : node and what it carries, by name
-    links : (independent node, groups and numbers of nodes that ride on it) by name
+    links : (independent node, groups and numbers of nodes that ride on it) by name, and the directions in which they do by
+        `riding`, all where it has none
     means : (node that follows, numbers of the nodes whose mean motion it has) by name
     springs : ((node,) or (node, other), six stiffnesses) by name
     held : letters of "123456" that each node is held in
@@ -105,6 +108,7 @@ class Deck:
     properties: dict[str, Property] = field(default_factory=dict)
     masses: dict[str, tuple[int, Rider]] = field(default_factory=dict)
     links: dict[str, tuple[int, list[int | str]]] = field(default_factory=dict)
+    riding: dict[str, str] = field(default_factory=dict)
     means: dict[str, tuple[int, list[int]]] = field(default_factory=dict)
     springs: dict[str, tuple[tuple[int, ...], Array]] = field(default_factory=dict)
     held: dict[int, set[str]] = field(default_factory=dict)
@@ -127,8 +131,8 @@ class Deck:
         """Note that `what` is not carried over."""
         self.lost.append(f"{what}: {why}")
 
-    def drop_lost_nodes(self) -> None:
-        """What stands at a node that the deck does not have is lost."""
+    def settle(self) -> None:
+        """What stands at a node that is not there is lost; what rides in all directions in which it moves rides whole."""
         there = set(self.mesh.node_tags.tolist())
         nodes = {name: [node] for name, (node, *_) in (*self.masses.items(), *self.links.items())}
         nodes |= {name: [node, *others] for name, (node, others) in self.means.items()}
@@ -138,6 +142,10 @@ class Deck:
                 for table in (self.masses, self.links, self.means, self.springs):
                     table.pop(name, None)
                 self.lose(name, "it stands at a node that is not there")
+        turning = self.turning  # what does not turn need not be carried in rotation
+        for name, (_, riders) in self.links.items():
+            if set(self.riding[name]) >= (ALL if turning & set(_numbers(self.mesh, riders)) else TRANSLATIONS):
+                del self.riding[name]
         structural = self.numbers(1, 2, 3)
         for name, (node, _) in list(self.means.items()):
             if node in structural or node in self.carriers:
@@ -145,13 +153,7 @@ class Deck:
                 self.lose(name, f"node {node} follows others, and is part of the structure itself")
 
     def ride(self, card: str, name: str, carrier: int, components: str, riders: Sequence[int | str]) -> None:
-        """A rigid link; nodes of solids alone need not be held in rotation."""
-        turning = self.numbers(1, 2)
-        turns = any(node in turning for node in _numbers(self.mesh, riders))
-        if not (ALL if turns else TRANSLATIONS) <= set(components):
-            self.lose(name, f"it carries its nodes in {components} alone")
-            return
-        self.links[name] = carrier, list(riders)
+        self.links[name], self.riding[name] = (carrier, list(riders)), components
         self.carried[card] = None
 
     def spread(self, name: str, fields: Sequence[str]) -> None:
@@ -187,6 +189,20 @@ class Deck:
         for components, *nodes in (row for one in chosen for row in fixed[one]):
             for node in nodes:
                 self.held.setdefault(int(node), set()).update(components)
+
+    def rod_property(self, card: str, f: Sequence[str]) -> None:
+        """Of rods with an area and a stiffness in torsion, or of tubes with a diameter and a wall."""
+        group, name = (own_property(f), own_property(f)) if card == "CONROD" else (f[0], f"{card} {f[0]}")
+        material, size, other, fourth, fifth = f[3:8] if card == "CONROD" else f[1:6]
+        area, added = real(size), real(fifth)
+        if card == "PTUBE":
+            wall, added = real(other) or area / 2, real(fourth)
+            if real(fifth) not in (0.0, area):
+                self.lose(name, "a taper")
+            area = float(np.pi * wall * (area - wall))
+        elif real(other):
+            self.lose(name, "its stiffness in torsion")
+        self.properties[group] = Property(material=material, section={"area": area}, added=added)
 
     def beam_property(self, card: str, f: Sequence[str]) -> None:
         name, section = f"{card} {f[0]}", dict[str, float]()
@@ -243,24 +259,33 @@ class Deck:
             for node in _numbers(self.mesh, [int(who) if who.isdigit() else who]):
                 self.held.setdefault(node, set()).update(letters)
 
-    def interface(self) -> list[int | str]:
-        """Nodes that are held altogether, by the links that they carry and the groups that they are, else by their numbers."""
-        turning = self.numbers(1, 2) | set(self.carriers)
-        in_use = self.numbers(1, 2, 3) | set(self.carriers)
-        held = {node for node, letters in self.held.items() if (ALL if node in turning else TRANSLATIONS) <= letters}
-        partly = sorted(node for node in self.held if node in in_use and node not in held)
-        if partly:
-            count = f"{len(partly)} nodes are" if len(partly) > 1 else "1 node is"
-            self.lose(
-                "supports",
-                f"{count} held in some directions alone, such as node {partly[0]} in "
-                f"{''.join(sorted(self.held[partly[0]]))}; a spring that is stiff in those may stand for it",
-            )
-        names: list[int | str] = [name for node, name in self.carriers.items() if node in held]
-        left = held & in_use - set(self.carriers)
+    @property
+    def turning(self) -> set[int]:
+        """Numbers of the nodes that turn: of shells, and of beams but not of rods."""
+        rods = {name for name, one in self.properties.items() if set(one.section) == {"area"}}
+        straight = [index for name, kinds in self.mesh.groups.items() if name not in rods for index in self._lines(kinds)]
+        return self.numbers(2) | {int(node) for nodes in straight for node in self.mesh.node_tags[np.unique(nodes)].tolist()}
+
+    def _lines(self, kinds: Mapping[str, Integers]) -> list[Integers]:
+        return [self.mesh.cells[kind].nodes[index] for kind, index in kinds.items() if kind in files.BEAMS]
+
+    def supports(self) -> dict[str, list[int | str]]:
+        """What is held, by the directions, such as "13", in which it is; under "" what is held in all in which it could move."""
+        carriers, found = set(self.carriers), dict[str, set[int]]()
+        turning = self.turning | carriers
+        for node in (self.numbers(1, 2, 3) | carriers) & set(self.held):
+            able = ALL if node in turning else TRANSLATIONS
+            if held := self.held[node] & able:
+                found.setdefault("" if held == able else "".join(sorted(held)), set()).add(node)
+        return {directions: self._named(nodes) for directions, nodes in found.items()}
+
+    def _named(self, nodes: set[int]) -> list[int | str]:
+        """`nodes` by the links that they carry and the groups that they are, else by their numbers."""
+        names: list[int | str] = [name for node, name in self.carriers.items() if node in nodes]
+        left = nodes - set(self.carriers)
         for name in sorted(self.mesh.node_groups, key=lambda name: -len(self.mesh.node_groups[name])):
             own = set(self.mesh.node_tags[self.mesh.node_groups[name]].tolist())
-            if own and own <= held and own & left:
+            if own and own <= nodes and own & left:
                 names.append(name)
                 left -= own
         return [*names, *sorted(left)]
@@ -322,7 +347,7 @@ def described(path: Path, units: str | None = None) -> tuple[str, tuple[str, ...
     except (ValueError, IndexError, KeyError, OverflowError) as error:
         problem = f"a record of it cannot be read: {type(error).__name__}, {error}"
         raise BadInput(source=str(path), problem=problem, remedy="Check the deck; it may be cut short or damaged") from None
-    deck.drop_lost_nodes()
+    deck.settle()
     system = _system(deck, str(path)) if units is None else unit_system(units, str(path), "--units")
     return _text(path, deck, system), tuple(deck.lost)
 
@@ -389,7 +414,9 @@ def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck
             shells[f[0]] = f
         elif card in ("PBAR", "PBEAM", "PBARL", "PBEAML"):
             deck.beam_property(card, f)
-        elif card in ("PCOMP", "PCOMPG", "PROD", "PTUBE", "PBCOMP", "PLSOLID", "MAT2", "MAT8", "MAT9", "MAT10", "PBMSECT"):
+        elif card in ("PROD", "PTUBE", "CONROD"):
+            deck.rod_property(card, f)
+        elif card in ("PCOMP", "PCOMPG", "PBCOMP", "PLSOLID", "MAT2", "MAT8", "MAT9", "MAT10", "PBMSECT"):
             deck.lose(name, "no material or property that is known here; state the part by hand")
         elif card in ("CBAR", "CBEAM"):
             other = point.get(int(f[4])) if f[4].isdigit() and not f[5] else None
@@ -573,7 +600,8 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
         elif keyword == "DAMPING" and "STRUCTURAL" in o:
             losses[material] = real(o["STRUCTURAL"])
         elif keyword == "SOLID SECTION":
-            deck.properties[group] = Property(material=o["MATERIAL"])
+            lines = any(kind in files.BEAMS for kind in mesh.groups.get(group, {}))  # a truss, and its area
+            deck.properties[group] = Property(material=o["MATERIAL"], section={"area": real(first[0]) or 1.0} if lines else {})
         elif keyword == "SHELL SECTION":
             if real(o.get("OFFSET", "0") if o.get("OFFSET", "0") not in ("SPOS", "SNEG") else "0.5") or "COMPOSITE" in o:
                 deck.lose(name, "layers, or a plane that is off its nodes")
@@ -634,14 +662,20 @@ def _abaqus_spring(
 # The text: SI with units, names and numbers of the deck.
 
 
+def _directions(letters: str) -> str:
+    return f"[{', '.join(toml_file.string(MOTIONS[int(letter) - 1]) for letter in sorted(letters))}]"
+
+
 def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
-    interface = deck.interface()
-    grounded = any(len(ends) == 1 for ends, _ in deck.springs.values())
+    holds = deck.supports()
+    interface = holds.pop("", [])
+    grounded = bool(holds) or any(len(ends) == 1 for ends, _ in deck.springs.values())
     pressure, density = system.mass / (system.length * system.time**2), deck.weight * system.mass / system.length**3
     mass, stiffness = deck.weight * system.mass, system.mass / system.time**2
     scale = {"area": 2, "Iy": 4, "Iz": 4, "J": 4}
     unit = {1: "m", 2: "m^2", 4: "m^4"}
     tables: list[tuple[str, dict[str, str]]] = []
+    called = property_names(path) if deck.mesh.coordinates is not None else {}
     for name, one in deck.properties.items():
         if name not in deck.mesh.groups:
             continue
@@ -665,7 +699,7 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
             ]
             keys += [f"z_axis = [{', '.join(f'{value:.9g}' for value in one.z_axis)}]"] if one.z_axis else []
             table["section"] = f"{{ {', '.join(keys)} }}"
-        tables.append((f"parts.{toml_file.string(name)}", table))
+        tables.append((f"parts.{toml_file.string(called.get(name, name))}", table))
     carriers = {**{node: name for name, (node, _) in deck.means.items()}, **deck.carriers}
     in_use = deck.numbers(1, 2, 3)
     points = dict(zip(deck.mesh.node_tags.tolist(), deck.mesh.points, strict=True))
@@ -683,7 +717,11 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
     joined += [(name, node, "mean_of", followed) for name, (node, followed) in deck.means.items()]
     for name, node, key, nodes in joined:
         where = ", ".join(f'"{value * system.length:.12g} m"' for value in points[node].tolist())
-        tables.append((f"links.{toml_file.string(name)}", {"at": f"[{where}]", key: named(nodes)}))
+        ways = {"directions": _directions(deck.riding[name])} if name in deck.riding else {}
+        tables.append((f"links.{toml_file.string(name)}", {"at": f"[{where}]", key: named(nodes), **ways}))
+    for letters, held in holds.items():
+        where = toml_file.string("-".join(MOTIONS[int(letter) - 1] for letter in letters))
+        tables.append((f"holds.{where}", {"nodes": named(held), "directions": _directions(letters)}))
     for name, (node, rider) in deck.masses.items():
         table = {"at": at(node), "mass": f'"{rider.mass * mass:.9g} kg"'}
         if np.any(rider.cog):

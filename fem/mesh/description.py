@@ -13,16 +13,17 @@ from fem.user_model import description as text
 from fem.user_model import parts, units
 from geometry import toml_file, user_article
 from geometry.article import Material
+from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import Array
-from geometry.inertia import Inertia, judge
+from geometry.inertia import Inertia
 
 KINDS = ("mesh", "assembly")
 """A mesh with groups, and STEP bodies that are meshed here; a part is a group or a body."""
 
 _KEYS = (
     *("name", "kind", "units", "file", "support", "interface", "reference_point", "places", "parts", "groups"),
-    *("springs", "joints", "masses", "links", "loss_factor", "size", "left_out"),
+    *("springs", "joints", "masses", "links", "holds", "loss_factor", "size", "left_out"),
 )
 _PART = ("material", "thickness", "section", "loss_factor", "tolerance")
 _TIED = ("stiffness", "loss_factor")
@@ -33,11 +34,16 @@ At = int | str | tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Profile:
-    """A section as described: `sizes` [m] are width and height, of a `round` one both diameters; or area, Iy, Iz and J."""
+    """A section as described: `sizes` [m] are width and height, of a `round` one both diameters; area, Iy, Iz and J; or the
+    area of a `rod`, which pushes and pulls and does not bend."""
 
     sizes: tuple[float, ...]
     material: Material
     round: bool = False
+
+    @property
+    def rod(self) -> bool:
+        return len(self.sizes) == 1
 
     def times(self, factor: float) -> Section:
         """The section with its height, or the wall of a tube, `factor` times as thick."""
@@ -47,7 +53,8 @@ class Profile:
         if len(self.sizes) == 2:
             width, height = self.sizes
             return rectangle(width, factor * height, self.material)
-        (A, Iy, Iz, J), (E, G), rho = self.sizes, moduli(self.material), self.material.density
+        A, Iy, Iz, J = (*self.sizes, 0.0, 0.0, 0.0)[:4]
+        (E, G), rho = moduli(self.material), self.material.density
         return Section(
             axial=E * A, torsion=G * J, bending_y=E * Iy, bending_z=E * Iz, mass=rho * A, rotary_y=rho * Iy, rotary_z=rho * Iz
         )
@@ -110,11 +117,21 @@ class PointMass:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Link:
-    """The nodes of the groups and numbers in `nodes` ride on a point at (3,) [m]; or it `follows` their mean motion."""
+    """The nodes of the groups and numbers in `nodes` ride on a point at (3,) [m] in some `directions`, numbered as `MOTIONS`
+    are; or it `follows` their mean motion. Where they do not ride in all, what moves none of them is held."""
 
     at: tuple[float, float, float]
     nodes: tuple[int | str, ...]
+    directions: tuple[int, ...] = tuple(range(6))
     follows: bool = False
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Hold:
+    """The groups and numbers of `nodes` that the ground holds in some `directions`, numbered as `MOTIONS` are."""
+
+    nodes: tuple[int | str, ...]
+    directions: tuple[int, ...]
 
 
 LOWEST = "lowest plane"
@@ -154,6 +171,7 @@ class MeshDescription:
     joints: Mapping[str, Joint]
     masses: Mapping[str, PointMass]
     links: Mapping[str, Link]
+    holds: Mapping[str, Hold]
     stated: text.Stated
 
     @property
@@ -298,9 +316,14 @@ class _Table:
             A = self.quantity("area", "area")
             Iy, Iz, J = (self.quantity(key, "second moment of area") for key in ("Iy", "Iz", "J"))
             return Profile(sizes=(A, Iy, Iz, J), material=material), float(np.sqrt(3 * max(Iy, Iz) / A)), z_axis, False
+        if keys == {"area"}:
+            A = self.quantity("area", "area")
+            return Profile(sizes=(A,), material=material), float(np.sqrt(A / np.pi)), z_axis, False
         found = ", ".join(keys) or "none"
-        problem = f"must have width and height, outer_diameter and inner_diameter, or area, Iy, Iz and J, found {found}"
-        raise BadInput(source=self.source, field=self.where, problem=problem, remedy="Complete one of the three")
+        problem = (
+            f"must have width and height, outer_diameter and inner_diameter, area, Iy, Iz and J, or area alone, found {found}"
+        )
+        raise BadInput(source=self.source, field=self.where, problem=problem, remedy="Complete one of the four")
 
     def box(self) -> Array:
         value = self.table.get("box")
@@ -337,22 +360,33 @@ class _Table:
         if "moments" in self.table:
             moments = self.quantities("moments", 6 * ("moment of inertia",))
         inertia = Inertia(parameters=np.array([mass, 0.0, 0.0, 0.0, *moments]))
-        verdict = judge(inertia, 1e-6)
-        if np.any(moments) and not verdict.physical:
-            raise self.wrong("moments", f"those of a body ({verdict.text})", "Write Ixx, Iyy, Izz, Ixy, Ixz, Iyz; Ixy = -∫xy dm")
+        principal, _ = inertia.principal()  # a floor that turns about its axis alone may have no others, which no body has
+        if principal[0] < -1e-6 * principal[-1]:
+            problem = f"positive about every axis, and the least is {principal[0]:.6g} kg m^2"
+            raise self.wrong("moments", problem, "Write Ixx, Iyy, Izz, Ixy, Ixz, Iyz; Ixy = -∫xy dm")
         return PointMass(at=self.at("at"), inertia=inertia.moved(cog))
 
     def link(self) -> Link:
         at, key = self.at("at"), "mean_of" if "mean_of" in self.table else "nodes"
-        nodes = self.table.get(key)
         if not isinstance(at, tuple):
             raise self.wrong("at", "three coordinates", 'Write it like ["1 m", "0 m", "20 mm"]')
-        if {"mean_of", "nodes"} <= set(self.table):
-            raise self.wrong("mean_of", "without `nodes`", "Nodes ride on a link, or it follows their mean motion")
+        for other in ("nodes", "directions"):
+            if key == "mean_of" and other in self.table:
+                raise self.wrong(other, "left out beside `mean_of`", "Nodes ride on a link, or it follows their mean motion")
+        return Link(at=at, nodes=self.nodes(key), directions=self.directions(), follows=key == "mean_of")
+
+    def nodes(self, key: str = "nodes") -> tuple[int | str, ...]:
+        nodes = self.table.get(key)
         listed: list[Any] = nodes if isinstance(nodes, list) else [nodes]
         if not listed or any(isinstance(node, bool) or not isinstance(node, int | str) for node in listed):
-            raise self.wrong(key, "a group, or a list of groups and node numbers", "Name the nodes that ride on it")
-        return Link(at=at, nodes=tuple(listed), follows=key == "mean_of")
+            raise self.wrong(key, "a group, or a list of groups and node numbers", "Name the nodes that are meant")
+        return tuple(listed)
+
+    def directions(self) -> tuple[int, ...]:
+        named = self.table.get("directions", list(MOTIONS))
+        if not isinstance(named, list) or not named or len({*map(str, named)} & {*MOTIONS}) != len(named):
+            raise self.wrong("directions", f"a list of some of {', '.join(MOTIONS)}", 'Write it like ["x", "z"]')
+        return tuple(sorted(MOTIONS.index(one) for one in named))
 
     def stated(self) -> text.Stated:
         toml_file.require_table(self.table, source=self.source, where="stated")
@@ -405,11 +439,17 @@ def read(path: Path) -> MeshDescription:
             raise BadInput(source=source, field=f"{text.TABLE}.springs.{name}", problem=problem, remedy="Leave one of them out")
     if support == "base" and not interface and kind == "mesh":
         raise table.wrong("interface", "the groups that the base carries", 'Write interface = ["foot"], or support = "free"')
-    if support == "free" and (interface or any(len(spring.at) == 1 for spring in springs.values())):
-        key = "interface" if interface else "springs"
+    holds = {
+        name: Hold(nodes=each.nodes(), directions=each.directions())
+        for name, each in table.tables("holds", ("nodes", "directions")).items()
+    }
+    if support == "base" and holds:
+        raise table.wrong("holds", "left out where a base carries the structure", 'Leave it out, or write support = "ground"')
+    if support == "free" and (interface or holds or any(len(spring.at) == 1 for spring in springs.values())):
+        key = "interface" if interface else "holds" if holds else "springs"
         raise table.wrong(key, "left out of a free structure", 'Leave it out, or write support = "ground"')
     on_springs = support == "ground" and any(len(spring.at) == 1 for spring in springs.values())
-    if not (interface or on_springs or support == "free"):
+    if not (interface or on_springs or holds or support == "free"):
         if kind == "mesh":
             raise table.wrong("interface", "", "Name the groups that the ground holds, or springs to it")
         interface = [LOWEST]
@@ -444,6 +484,7 @@ def read(path: Path) -> MeshDescription:
         springs=springs,
         joints={name: each.joint() for name, each in table.tables("joints", ("between", "at", *_TIED)).items()},
         masses={name: each.mass() for name, each in table.tables("masses", ("at", "mass", "cog", "moments")).items()},
-        links={name: each.link() for name, each in table.tables("links", ("at", "nodes", "mean_of")).items()},
+        links={name: each.link() for name, each in table.tables("links", ("at", "nodes", "directions", "mean_of")).items()},
+        holds=holds,
         stated=_Table(source=source, where="stated", table=whole.get("stated", {})).stated(),
     )

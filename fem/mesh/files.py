@@ -185,7 +185,7 @@ class _Raw:
 # Abaqus and CalculiX: *NODE, *ELEMENT, *NSET and *ELSET, in free format.
 
 _ABAQUS = {
-    "tri3": ("CPS3", "CPE3", "S3", "S3R", "STRI3", "STRI65_3", "M3D3", "T3D3", "DS3"),
+    "tri3": ("CPS3", "CPE3", "S3", "S3R", "STRI3", "STRI65_3", "M3D3", "DS3"),
     "tri6": ("CPS6", "CPE6", "S6", "STRI65", "M3D6"),
     "quad4": ("CPS4", "CPS4R", "CPE4", "CPE4R", "S4", "S4R", "S4RS", "S4R5", "M3D4", "M3D4R"),
     "quad8": ("CPS8", "CPS8R", "CPE8", "CPE8R", "S8", "S8R", "S8R5", "M3D8", "M3D8R"),
@@ -305,10 +305,12 @@ NASTRAN = {
     "CBAR": ("line2",),
     "CBEAM": ("line2",),
     "CROD": ("line2",),
+    "CTUBE": ("line2",),
+    "CONROD": ("line2",),
 }
 _CARRIES = re.compile(
     r"RBE[1-3]|RBAR1?|RROD|RJOINT|RSPLINE|RTRPLT1?|MPC|NSM1?|NSML1?"
-    r"|CONM[12]|CMASS\d|CELAS\d|CDAMP\d|CBUSH\w*|CVISC|CONROD|CTUBE|CGAP|CBEND|CBEAM3|CWELD|CFAST|CSEAM|CSHEAR|CPYRAM?|GENEL"
+    r"|CONM[12]|CMASS\d|CELAS\d|CDAMP\d|CBUSH\w*|CVISC|CGAP|CBEND|CBEAM3|CWELD|CFAST|CSEAM|CSHEAR|CPYRAM?|GENEL"
     r"|CQUAD|CQUADX\d?|CTRIAX\d?|CTRAX\d|CPLST[NS]\d|CRAC[23]D|CDUM\d|CHBDY[EGP]|CFLUID\d|CAXIF\d|CSLOT\d|CHACAB|CHACBR|CAABSF"
 )
 """Cards of bulk data that weigh, hold or join, and are not read."""
@@ -329,10 +331,11 @@ def _nastran(path: Path, left_out: LeftOut) -> _Raw:
         elif CARD.fullmatch(card):
             where.add(card, fields)
         elif card in NASTRAN:
-            tag, group = int(fields[0]), fields[1] or fields[0]
-            kinds = NASTRAN[card]
+            tag, group, kinds, begin = int(fields[0]), fields[1] or fields[0], NASTRAN[card], 2
+            if card == "CONROD":  # material and area stand in it instead of a property
+                group, begin = own_property(fields), 1
             most = max(int(kind.lstrip("abcdefghijklmnopqrstuvwxyz")) for kind in kinds)
-            own = [int(field) for field in fields[2 : 2 + most] if field]
+            own = [int(field) for field in fields[begin : begin + most] if field]
             kind = next(
                 (kind for kind in kinds if kind.endswith(str(len(own))) and not kind[-len(str(len(own))) - 1].isdigit()), ""
             )
@@ -352,11 +355,42 @@ def _nastran(path: Path, left_out: LeftOut) -> _Raw:
         top = max(dimension[tag] for tag in members)
         for tag in members:
             apart.setdefault(name if dimension[tag] == top else f"{name} {_WORDS[dimension[tag]]}", []).append(tag)
+    apart |= {name: list(apart[number]) for number, name in property_names(path).items() if number in apart and name not in apart}
     nodes = {number: where.place(number) for number in where.grids}
     return _Raw(nodes=nodes, elements=elements, groups=apart, node_groups={}, coordinates=where)
 
 
+_NAMED = re.compile(
+    r"\$HMNAME PROP\s+(\d+)\s*\"([^\"]+)\"|\$ Femap (?:with .*)?Property (\d+) : (.+)|\$ANSA_NAME(?:_COMMENT)?;(\d+);P\w+;([^;]+)"
+)
+"""Comments in which HyperMesh, Femap and ANSA name a property."""
+
+_NAMED_NEXT = re.compile(r"\$ (?:Elements and )?Element Properties for region : (.+)|\$\*\s+Property: (.+)")
+"""Comments of Patran and Simcenter, which name the property that comes next."""
+
+
+def property_names(path: Path) -> dict[str, str]:
+    """Names of the properties of a deck of Nastran by their numbers, of those that its comments name like no other."""
+    found, following = dict[str, str](), ""
+    for line in deck_lines(path):
+        text = line.text.strip()
+        if match := _NAMED.match(text):
+            number, name = (one.strip() for one in match.groups() if one is not None)
+            found[number] = name
+        elif match := _NAMED_NEXT.match(text):
+            following = next(one for one in match.groups() if one is not None).strip()
+        elif following and re.match(r"P[A-Z]", text):
+            found[re.split(r"[,\s]+", text.replace("*", " "))[1]], following = following, ""
+    every = list(found.values())
+    return {number: name for number, name in found.items() if name and not name.isdigit() and every.count(name) == 1}
+
+
 _WORDS = ("points", "lines", "faces", "volumes")
+
+
+def own_property(fields: Sequence[str]) -> str:
+    """The group of a CONROD with those `fields`, by its material and what else it states of itself."""
+    return " ".join(("CONROD", *(text for text in fields[3:8] if text)))
 
 
 def cards(path: Path) -> Iterator[list[str]]:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from fem.beam.elements import moduli, timoshenko
 from fem.mesh import description as described
 from fem.mesh import files, shells, solids
-from fem.mesh.places import LINE, Block, Elements, beam_axes, fitted
+from fem.mesh.places import LINE, ROD, Block, Elements, beam_axes, fitted
 from fem.solid import assembly, tetrahedra
 from fem.structure import Sparse, Structure
 from fem.user_model import description as text
@@ -31,6 +31,9 @@ FLAT = 1e-6
 
 COINCIDENT = 1e-6
 """Distance of two nodes, as a share of the structure's size, below which they are at one place."""
+
+LEVEL = 1e-9
+"""[share of a structure's size] Height of nodes over the plane of a link below which they are in it: rounding. By definition."""
 
 SIX = np.arange(6)
 
@@ -127,16 +130,17 @@ def structure(found: described.MeshDescription, mesh: files.MeshFile) -> Structu
     K, M = _sum(stiffness), _sum(mass)
     parts = {name: share for name, share in stiffness.items() if name not in found.parts}
     made.require_joined(parts, tuple(supports), list(linked.values()))
-    turning = where[:, :3].min(axis=1) >= 0
+    rides = np.diff(elements.carried.indptr)[elements.first[:, None] + SIX[:3]] > 0
+    free = (where[:, :3] >= 0).any(axis=1) & (rides <= (where[:, :3] >= 0)).all(axis=1)
     finished = Structure(
         stiffness=K,
         mass=M,
         rigid=elements.rigid(found.reference_point),
         held=made.held if found.support == "base" else np.zeros(0, dtype=np.intp),
         reference_point=found.reference_point,
-        points=elements.points[turning],
-        translations=where[turning, :3],
-        rotations=where[turning, 3:],
+        points=elements.points[free],
+        translations=where[free, :3],
+        rotations=where[free, 3:],
         part_stiffness=stiffness,
         part_mass=mass,
         loss_factors={
@@ -205,9 +209,13 @@ def _blocks(found: described.MeshDescription, mesh: files.MeshFile) -> Iterator[
             claimed[kind][index] = number
             cells = mesh.cells[kind]
             halves = [[0, 2], [2, 1]] if kind == "line3" else [list(range(cells.nodes.shape[1]))]
+            rod = kind in files.BEAMS and part.section is not None and part.section.rod
+            if rod and kind == "line3":
+                problem = "is that of rods, and what stands in the middle of a line of three nodes would hold by nothing"
+                raise found.refused(f"parts.{name}.section", problem, "Mesh its lines with two nodes each")
             yield Block(
                 part=name,
-                kind=LINE if kind == "line3" else kind,
+                kind=ROD if rod else LINE if kind == "line3" else kind,
                 tags=np.tile(cells.tags[index], len(halves)),
                 nodes=np.vstack([cells.nodes[index][:, half] for half in halves]),
             )
@@ -303,7 +311,7 @@ def _require_sound(found: described.MeshDescription, points: Array, blocks: Sequ
                 [solids.determinants(block.kind, corners[k : k + 5000]).min(axis=1) for k in range(0, len(corners), 5000)]
             )
             flat, inverted = np.abs(least) <= FLAT * edge**3, least < -FLAT * edge**3
-        elif block.kind == LINE:
+        elif block.kind in (LINE, ROD):
             flat = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1) <= COINCIDENT * np.ptp(points, axis=0).max()
             inverted = np.zeros_like(flat)
         else:
@@ -319,7 +327,7 @@ def _require_sound(found: described.MeshDescription, points: Array, blocks: Sequ
         raise BadInput(source=str(found.file), field="elements", problem="; ".join(said), remedy=remedy)
 
 
-# Degrees of freedom: three at a node of solids, six of shells and beams; links let some ride on others.
+# Degrees of freedom: three at a node of solids and rods, six of shells and beams; links let some ride on others.
 #
 # A shell or beam that ends on a solid is welded to it: its rotations there are those of the solid's elements around the node.
 
@@ -341,7 +349,7 @@ def _numbered(
     turning = np.zeros(len(points), dtype=bool)
     turning[own:] = True
     for block in blocks:
-        if block.kind not in solids.KINDS:
+        if block.turning:
             turning[block.nodes] = True
     count = np.where(turning, 6, 3)
     first = np.append(0, np.cumsum(count))[:-1].astype(np.intp)
@@ -353,28 +361,43 @@ def _numbered(
     rows, columns, values = [], [], []
     joints: dict[str, tuple[int, int]] = {}
     for carrier, one in enumerate(carriers, start=own):
+        directions, moved = found.links[one.link].directions, np.zeros((1, 6))
         for rider in one.riders.tolist():
-            ridden = first[rider] + np.arange(count[rider])
+            ways = np.array([way for way in directions if way < count[rider]])
+            ridden = first[rider] + ways
             if not keep[ridden].all():
                 problem = f"node {tags[rider]} rides on another link already"
                 raise found.refused(f"links.{one.link}", problem, "Let a node ride on one link only")
             keep[ridden] = False
-            T = rigid_transformation_6(points[rider] - points[carrier])[: count[rider]]
+            T = rigid_transformation_6(points[rider] - points[carrier])[ways]
+            moved = np.vstack([moved, T])
             rows.append(np.repeat(ridden, 6))
-            columns.append(np.tile(first[carrier] + SIX, count[rider]))
+            columns.append(np.tile(first[carrier] + SIX, len(ways)))
             values.append(T.ravel())
+        if len(directions) < len(SIX):  # what moves nothing that rides is held
+            keep[first[carrier] + SIX[np.abs(moved).max(axis=0) <= LEVEL * np.ptp(points, axis=0).max()]] = False
         if one.part:
             joints[f"{one.link}@{one.part}"] = int(sets[one.link][0]), carrier
         else:
             sets[one.link] = np.array([carrier], dtype=np.intp)
     carried = eye_array(size, format="csr")
+    riding = np.concatenate([np.zeros(0, dtype=np.intp), *rows])
     if found.support == "ground":
         for node in _chosen(found, sets, tags, found.interface, "interface").tolist():
             ground = first[node] + np.arange(count[node])
-            if not keep[ground].all():
+            if np.isin(ground, riding).any():
                 raise found.refused("interface", f"node {tags[node]} rides on a link", "Hold the link instead")
             keep[ground] = False
-    turned = _welded(points, blocks, first, turning & keep[first])
+    for name, hold in found.holds.items():
+        for node in _chosen(found, sets, tags, hold.nodes, f"holds.{name}.nodes").tolist():
+            held = first[node] + np.array([way for way in hold.directions if way < count[node]], dtype=np.intp)
+            if np.isin(held, riding).any():
+                raise found.refused(f"holds.{name}", f"node {tags[node]} rides on a link", "Hold the link instead")
+            keep[held] = False
+    turned = _welded(points, blocks, first, turning & keep[first + np.where(turning, 3, 0)])
+    if not keep[turned.rows].all():
+        problem = "a node turns with the solids around it, and is held or rides in some rotations"
+        raise found.refused("holds", problem, "Hold it in translations, or in all rotations")
     keep[turned.rows] = False
     own_dofs = np.where(keep, np.cumsum(keep) - 1, -1)
     if not keep.all():
@@ -421,7 +444,7 @@ def _carriers(found: described.MeshDescription, tags: Integers, blocks: Sequence
     Parts that are welded to each other there ride as one.
     """
     nodes = {name: np.unique(np.concatenate([b.nodes.ravel() for b in blocks if b.part == name])) for name in found.parts}
-    turning = np.unique(np.concatenate([np.zeros(0, np.intp), *(b.nodes.ravel() for b in blocks if b.kind not in solids.KINDS)]))
+    turning = np.unique(np.concatenate([np.zeros(0, np.intp), *(b.nodes.ravel() for b in blocks if b.turning)]))
     riding, between = dict[str, tuple[Integers, dict[str, Integers]]](), dict[str, tuple[str, ...]]()
     for link, stated in found.riding.items():
         riders = _chosen(found, sets, tags, stated.nodes, f"links.{link}.nodes")
@@ -435,7 +458,8 @@ def _carriers(found: described.MeshDescription, tags: Integers, blocks: Sequence
         held = found.support == "ground" and link in found.interface
         # One node of solids has no rotations by which it could hold what rides on it
         apart = [name for name in list(own)[0 if held else 1 :] if len(own[name]) > 1 or np.isin(own[name], turning).all()]
-        riding[link] = riders, {name: own[name] for name in apart}
+        whole = len(stated.directions) == len(SIX)  # what rides in some directions alone is no joint
+        riding[link] = riders, {name: own[name] for name in apart if whole}
         between[link] = ("ground",) * held + tuple(own)
     alike = Counter(between[link] for link, (_, apart) in riding.items() if apart)
     for link, (riders, parted) in riding.items():
@@ -535,6 +559,11 @@ def _assembled(elements: Elements) -> tuple[dict[str, Sparse], dict[str, Sparse]
                     dofs = (elements.first[nodes][:, :, None] + SIX[:3]).reshape(len(nodes), -1)
                     kinds["K"].add(dofs, K)
                     kinds["M"].add(dofs, M)
+            elif block.kind == ROD:
+                dofs = (elements.first[block.nodes][:, :, None] + SIX[:3]).reshape(-1, 6)
+                K, M = _rods(elements.points[block.nodes], part)
+                kinds["K"].add(dofs, K)
+                kinds["M"].add(dofs, M)
             elif block.kind == LINE:
                 dofs = (elements.first[block.nodes][:, :, None] + SIX).reshape(-1, 12)
                 K, M, D = _beams(elements, block, part)
@@ -562,6 +591,17 @@ def _assembled(elements: Elements) -> tuple[dict[str, Sparse], dict[str, Sparse]
 def _batches(count: int, size: int) -> Iterator[slice]:
     step = max(BATCH // size**2, 1)
     return (slice(k, k + step) for k in range(0, count, step))
+
+
+def _rods(corners: Array, part: described.PartTable) -> tuple[Array, Array]:
+    """Stiffness along rods between two `corners` (c, 2, 3) each, and their consistent mass; (c, 6, 6) each."""
+    if part.section is None:
+        raise ValueError("`section` of rods must be given")
+    section, line = part.section.times(1.0), corners[:, 1] - corners[:, 0]
+    length = np.linalg.norm(line, axis=1)[:, None, None]
+    pulled = np.concatenate([-line, line], axis=1)[:, None, :] / length
+    alike = np.kron([[2.0, 1.0], [1.0, 2.0]], np.eye(3)) / 6
+    return section.axial / length * np.swapaxes(pulled, 1, 2) * pulled, section.mass * length * alike
 
 
 def _beams(elements: Elements, block: Block, part: described.PartTable) -> tuple[Array, Array, Array]:
@@ -726,7 +766,8 @@ class _Made:
             together.append(np.append(self.sets[name], _chosen(found, self.sets, elements.node_tags, link.nodes, name))[None])
         pairs = np.vstack([np.column_stack([np.repeat(own[:, 0], own.shape[1]), own.ravel()]) for own in together])
         body = connected_components(coo_array((np.ones(len(pairs)), pairs.T), shape=(size, size)), directed=False)[1]
-        tied = np.unique(body[np.concatenate([self.interface, *(ends[name] for name in supports)]).astype(np.intp)])
+        holding = [_chosen(found, self.sets, elements.node_tags, one.nodes, "holds") for one in found.holds.values()]
+        tied = np.unique(body[np.concatenate([self.interface, *holding, *(ends[name] for name in supports)]).astype(np.intp)])
         if found.support == "free":
             tied = np.array([np.argmax(np.bincount(body))])
         loose = np.setdiff1d(body, tied)
@@ -755,7 +796,7 @@ class _Made:
     def require_stated(self, made: Structure) -> None:
         """Refuse a mass or a centre of gravity that is not the stated one."""
         found, stated, M = self.found, self.found.stated, made.rigid_mass
-        if found.support == "ground" and found.interface:
+        if found.support == "ground" and (found.interface or found.holds):
             return  # what the ground holds is not in the matrices any more
         if stated.mass is not None and abs(M[0, 0] - stated.mass) > max(text.MASS * stated.mass, 3 * stated.mass_tolerance):
             ratio = M[0, 0] / stated.mass

@@ -24,7 +24,8 @@ SHARP = 60.0
 ALIKE = 1 + 1e-9
 """[1] Ratio of two distances up to which they are one. By definition."""
 
-LINE = "line2"
+LINE, ROD = "line2", "rod2"
+"""Beams, and rods between two nodes, which push and pull and neither bend nor turn anything."""
 
 ENERGY_TOO_HIGH = 2.0
 """[1] What the stiffness of a mesh of solids is too high by, in energy of the jumps of its strains: from 0.7 to 2.3 in 43 modes
@@ -62,6 +63,11 @@ class Block:
     kind: str
     tags: Integers
     nodes: Integers
+
+    @property
+    def turning(self) -> bool:
+        """Whether its nodes turn."""
+        return self.kind != ROD and self.kind not in solids.KINDS
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -387,7 +393,7 @@ class Elements:
             if block.kind in solids.KINDS:
                 for corners in QUARTERS[solids.shape(block.kind)]:
                     faces[len(corners)].append(block.nodes[:, list(corners)])
-            elif block.kind == LINE:
+            elif block.kind in (LINE, ROD):
                 lines.append(block.nodes)
             else:  # the triangles of a quadrangle are there twice, once by either diagonal
                 own = shells.TRIANGLES[block.kind]
@@ -428,14 +434,17 @@ class Elements:
             moved = np.asarray(np.kron(N, np.eye(3)), dtype=np.float64)
             yield made(foot, 0.0, dofs, moved, None)
             return
-        six = (self.first[nodes][:, None] + np.arange(6)).ravel()
-        if block.kind == LINE:
+        if block.kind in (LINE, ROD):
             section = table.section
             share = float(
                 np.clip((point - corners[0]) @ (corners[1] - corners[0]) / np.sum((corners[1] - corners[0]) ** 2), 0, 1)
             )
             foot = corners[0] + share * (corners[1] - corners[0])
-            if section is not None:
+            if block.kind == ROD:
+                dofs = (self.first[nodes][:, None] + np.arange(3)).ravel()
+                yield made(foot, table.reach, dofs, np.hstack([(1 - share) * np.eye(3), share * np.eye(3)]), None)
+            elif section is not None:
+                six = (self.first[nodes][:, None] + np.arange(6)).ravel()
                 # What the twelve degrees of freedom of the beam move and turn there, (3, 12) each, in the frame
                 beam, R = section.times(1.0), beam_axes(corners, table.z_axis)
                 length = float(np.linalg.norm(corners[1] - corners[0]))

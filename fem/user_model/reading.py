@@ -301,9 +301,9 @@ def write(model: Structure | Modes, path: str | Path, name: str = "", units: Uni
         arrays: dict[str, Any] = {field: getattr(model, field) for field in fields}
     else:
         arrays = {"rigid": model.rigid, "held": model.held}
-        if len(model.points):
-            arrays |= {"points": model.points, "translations": model.translations}
-            arrays |= {"rotations": model.rotations} if len(model.rotations) else {}
+        if (moving := (model.translations >= 0).all(axis=1)).any():
+            arrays |= {"points": model.points[moving], "translations": model.translations[moving]}
+            arrays |= {"rotations": model.rotations[moving]} if len(model.rotations) else {}
         matrices: dict[str, Any] = {} if model.part_stiffness else {"stiffness": model.stiffness}
         matrices |= {} if model.part_mass else {"mass": model.mass}
         shares = {"stiffness": model.part_stiffness, "mass": model.part_mass, "places": model.places}

@@ -329,7 +329,7 @@ class ShownStructure:
         basis = self.whole.basis
         swing = basis @ modes.shapes[: basis.shape[1], number]
         at = [self.whole.structure.places[one.place] @ swing for one in self.points]
-        return swing[self.moved], np.array(at).reshape(-1, 3)
+        return np.where(self.moved < 0, 0.0, swing[self.moved]), np.array(at).reshape(-1, 3)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -30,6 +30,7 @@ from validation.effects.catalogue import FAMILIES, code_of_families, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS
 from validation.estimation.evaluate import evaluate, folds
 from validation.estimation.fit import COARSE, FLOOR, PLAIN_FLOOR, nearby, unfitted
+from validation.estimation.likelihood import ends_of
 from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, Evaluation, Offsets
 from validation.estimation.screening import in_the_fit
 from validation.estimation.verdicts import tolerances
@@ -430,7 +431,8 @@ def as_cause(added: Added, of: diagnosis.Candidate, evidence: float, stands: Goo
             if (any_size := candidates.AnySize.of(of, added)) is not None:
                 x, *ends = any_size.interval()
                 value = min(max(one.value(x), size.low), size.high)
-            low, high = sorted(min(max(one.value(end), size.low), size.high) for end in ends)
+            every = ends_of(one, x, ends)
+            low, high = sorted(min(max(end, size.low), size.high) for end in every)
         sizes.append(diagnosis.EffectEstimate(key=size.key, value=value, unit=size.unit, low=low, high=high))
     return diagnosis.Cause(
         named=added.named,

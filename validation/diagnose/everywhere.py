@@ -202,7 +202,8 @@ class MeshSearch:
 
     def rows(self, nodes: slice | Integers) -> Array:
         """(q, 3, k) what each coordinate moves some `nodes` along x, y, z."""
-        return np.asarray(self.whole.basis[self.moved[nodes]])
+        moved = self.moved[nodes]
+        return np.where((moved < 0)[..., None], 0.0, self.whole.basis[moved])
 
     def scores(self) -> NodeScores:
         """Of every node."""

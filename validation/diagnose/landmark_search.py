@@ -18,6 +18,7 @@ from validation.diagnose.search import sizes
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS, STRUCTURE, evidence_threshold
 from validation.estimation.fit import BREAKDOWNS, COARSE, nearby
+from validation.estimation.likelihood import ends_of
 from validation.estimation.problem import FITTED, Fit, Parameter
 from validation.model.model import Added
 from validation.prediction.effects import name
@@ -405,7 +406,8 @@ class FromAfar:
                 if (which := name(one.named, size.key)) in told:
                     free, sd = told[which]
                     about = free.start if one.fixed else free.offset(value)
-                    ends = sorted(free.value(about + side * NORMAL_90 * sd * free.tolerance) for side in (-1, 1))
+                    half = NORMAL_90 * sd * free.tolerance
+                    ends = sorted(ends_of(free, about, (about - half, about + half)))
                     low, high = (min(max(end, size.low), size.high) for end in ends)
                 own.append(EffectEstimate(key=size.key, value=value, unit=size.unit, low=low, high=high))
             found[one.named.id] = tuple(own)

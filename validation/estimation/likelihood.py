@@ -23,7 +23,18 @@ from geometry.frames import Array, frozen
 from identification.self_calibration import solve
 from identification.self_calibration.solve import SILENT, Normal
 from identification.self_calibration.ways import Ways, normal
-from validation.estimation.problem import Change, Conveyed, Lines, Measured, Offsets, Parameter, Predicted, Prediction, Problem
+from validation.estimation.problem import (
+    EFFECT,
+    Change,
+    Conveyed,
+    Lines,
+    Measured,
+    Offsets,
+    Parameter,
+    Predicted,
+    Prediction,
+    Problem,
+)
 
 FEW = 24
 """[count] of parameters of several channels that go no common way up to which it is the quicker. Exercised by
@@ -276,8 +287,12 @@ class Cost:
         """Whitened residuals (q,) at `x` (p,) of what is known beforehand and of facts, and their derivatives (q, p)."""
         sd = np.array([one.tolerance for one in self.free])
         known = np.isfinite(sd)
-        away, rows = x[known] / sd[known], np.eye(len(sd))[known] / sd[known, None]
-        still = np.array([self.base[one.name] / one.tolerance for one in self.held])
+        away, slope = _with_tail(x[known] / sd[known], np.array([tailed(one) for one in self.free], dtype=bool)[known])
+        rows = np.eye(len(sd))[known] * (slope / sd[known])[:, None]
+        still, _ = _with_tail(
+            np.array([self.base[one.name] / one.tolerance for one in self.held]),
+            np.array([tailed(one) for one in self.held], bool),
+        )
         left, change = self._facts(x)
         return np.concatenate([away, still, left]), np.vstack([rows, np.zeros((len(still), len(sd))), change])
 
@@ -305,6 +320,38 @@ class Cost:
             latent = one.at(offsets, lines[:1], derivatives=False).rows.shape[-1] if seen.inputs is None else 0
             found += seen.parts * len(seen.runs) * len(lines) * (seen.values.shape[2] - latent)
         return found
+
+
+TAIL = 3.0
+"""[prior sd] of the logarithm of what is faulty from which a fault is one of those that leave next to nothing: a brace that is
+gone, a bolt that is loose. Its density falls there as a power, not as a normal one. Held by
+tests/validation/diagnosing/test_building.py."""
+
+
+def tailed(one: Parameter) -> bool:
+    """Whether `one` is a fault of what may break altogether."""
+    return one.kind == EFFECT and one.logarithmic
+
+
+def in_the_tail(one: Parameter, offset: float) -> bool:
+    """Whether next to nothing is left of what `one` is a factor on."""
+    return tailed(one) and offset < -TAIL * one.tolerance
+
+
+def ends_of(one: Parameter, offset: float, ends: Sequence[float]) -> list[float]:
+    """Values at the `ends` of an interval about `offset`; where next to nothing is left, how much is told, not its logarithm."""
+    if in_the_tail(one, offset):
+        return [one.value(offset) + (end - offset) * one.slope(offset) for end in ends]
+    return [one.value(end) for end in ends]
+
+
+def _with_tail(away: Array, has: npt.NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Residuals (q,) of priors that are `away` [prior sd] and their derivatives; the cost of those that `has` a tail goes on
+    beyond `TAIL` with the logarithm of how far they are."""
+    far = np.maximum(np.abs(away) / TAIL, 1.0)
+    found = np.where(has, np.sign(away) * np.minimum(np.abs(away), TAIL) * np.sqrt(1 + 2 * np.log(far)), away)
+    slope = np.where(has & (far > 1), TAIL / (far * np.maximum(np.abs(found), TAIL)), 1.0)
+    return found, slope
 
 
 def cost_of(problem: Problem, free: Sequence[Parameter], floor: float, base: Offsets = NOTHING, *, plain: bool = False) -> Cost:

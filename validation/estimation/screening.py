@@ -30,7 +30,7 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
 from identification.self_calibration.solve import inverse, total
 from validation.estimation.fit import FLOOR
-from validation.estimation.likelihood import ObservedLines, cost_of, normals, whitened
+from validation.estimation.likelihood import ObservedLines, cost_of, in_the_tail, normals, whitened
 from validation.estimation.problem import EFFECT, Fit, Offsets, Parameter, Predicted, Problem
 
 POWER = 0.84
@@ -235,7 +235,8 @@ def in_the_fit(fit: Fit) -> dict[str, ScoreTest]:
     found = {}
     for one, x, variance in zip(fit.parameters, fit.offsets, np.diag(fit.covariance), strict=True):
         if 0 < one.tolerance < np.inf and variance > 0:
-            information = max(1 / variance - one.tolerance**-2, 0.0)
+            price = 0.0 if in_the_tail(one, float(x)) else one.tolerance**-2  # there next to nothing pulls it back
+            information = max(1 / variance - price, 0.0)
             known = information * variance > KNOWN
             estimate = float(x) / (variance * information) if known else 0.0
             told = ScoreTest(name=one.name, estimate=estimate, information=information if known else 0.0, tolerance=one.tolerance)

@@ -4,7 +4,7 @@ Shares are those of the kinetic energy, u_i (M u)_i summed over a part's degrees
 is whose, the part that holds most of the strain energy is named too.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,7 +61,7 @@ def has_rotations(structure: Structure) -> bool:
 
 def node_displacement(structure: Structure, shapes: Array) -> Array:
     """Displacement (p, 3, m) of the structure's own points in `shapes` (N, m)."""
-    return np.asarray(shapes[structure.translations])
+    return np.where((structure.translations < 0)[..., None], 0.0, shapes[structure.translations])
 
 
 def _with_section(structure: Structure, shapes: Array, part: Part, points: Array) -> Array:
@@ -158,16 +158,42 @@ def described(structure: Structure, modes: Modes, article: Article | None) -> tu
     elif not structure.part_stiffness:
         names, owner = [""], np.zeros(len(structure.points), dtype=np.intp)
     else:
-        held = np.array([K.diagonal()[structure.translations].sum(axis=1) for K in structure.part_stiffness.values()])
+        rows = np.maximum(structure.translations, 0)
+        held = np.array([K.diagonal()[rows].sum(axis=1) for K in structure.part_stiffness.values()])
         names = list(structure.part_stiffness)
         tying = np.isin(names, (*structure.supports, *structure.joints))[:, None]
         owner = np.argmax(np.where(tying & held[~tying[:, 0]].any(axis=0), 0.0, held), axis=0)
+    if article is None and structure.part_mass:  # how much each part moves is known of the parts themselves
+        moved = {name: modes.shapes * (M @ modes.shapes) for name, M in structure.part_mass.items()}
+        names = list(dict.fromkeys((*names, *moved)))
+        whole = {name: each.sum(axis=0) for name, each in moved.items()}
+        along = {name: (structure.rigid[:, :3] ** 2).T @ each for name, each in moved.items()}
+    else:
+        energies, rows = _by_point(structure, energy), energy[structure.translations]
+        whole = {name: energies[owner == k].sum(axis=0) for k, name in enumerate(names)}
+        along = {name: rows[owner == k].sum(axis=0) for k, name in enumerate(names)}
+    own = {name: owner == k for k, name in enumerate(names)}
     return tuple(
         _strained(0.0, {})
         if modes.frequency[r] == 0
-        else _described(structure, names, owner, energy[:, r], u[:, :, r], shares[r])
+        else _described(
+            structure,
+            own,
+            _sorted({name: float(each[r]) for name, each in whole.items()}),
+            {name: each[:, r] for name, each in along.items()},
+            u[:, :, r],
+            shares[r],
+        )
         for r in range(len(modes.frequency))
     )
+
+
+def _by_point(structure: Structure, energy: Array) -> Array:
+    """Energy (p, m) of each point with its rotations, where it has any: all degrees of freedom up to the next point's."""
+    order = np.argsort(structure.translations[:, 0])
+    result = np.empty((len(order), energy.shape[1]))
+    result[order] = np.add.reduceat(energy, structure.translations[order, 0])
+    return result
 
 
 def _strained(frequency: float, shares: dict[str, float]) -> Described:
@@ -178,27 +204,21 @@ def _strained(frequency: float, shares: dict[str, float]) -> Described:
 
 
 def _described(
-    structure: Structure, names: Sequence[str], owner: Integers, energy: Array, u: Array, strained: dict[str, float]
+    structure: Structure,
+    own: Mapping[str, Array],
+    shares: dict[str, float],
+    along: Mapping[str, Array],
+    u: Array,
+    strained: dict[str, float],
 ) -> Described:
-    # Energy (p,) of each point with its rotations, where it has any: all degrees of freedom up to the next point's
-    order = np.argsort(structure.translations[:, 0])
-    starts = structure.translations[order, 0]
-    sums = np.add.reduceat(energy, starts)
-    result = np.empty(len(order))
-    result[order] = sums
-    along, whole = energy[structure.translations], result
-    shares = _sorted({name: float(whole[owner == k].sum()) for k, name in enumerate(names)})
+    """A mode by the points of each part `own` (p,), the energy `shares` of each and the same `along` (3,) x, y and z."""
     named = [name for name, share in shares.items() if share >= WORTH_NAMING] or list(shares)[:1]
     moving = []
     for name in named[:3]:
-        own = owner == names.index(name)
-        how = (
-            "twists"
-            if _twists(structure, own, u, along[own].sum() / shares[name])
-            else "xyz"[int(np.argmax(along[own].sum(axis=0)))]
-        )
+        twists = _twists(structure, own[name], u, along[name].sum() / shares[name])
+        how = "twists" if twists else "xyz"[int(np.argmax(along[name]))]
         moving.append(f"{100 * shares[name]:.0f} % {name} {how}" if name else how)
-    first = owner == names.index(named[0])
+    first = own[named[0]]
     pattern = _pattern(structure.points[first], u[first])
     moving[0] += f", {pattern}" if pattern and "twists" not in moving[0] else ""
     # Which part is strained most, if that is another than the one that moves most
@@ -213,7 +233,7 @@ def _twists(structure: Structure, own: Array, u: Array, translating: float) -> b
 
     Beams have rotations of their own. In a solid the points of a slice across the part go round, and their mean stands still.
     """
-    if has_rotations(structure):
+    if translating < 0.5 or has_rotations(structure):
         return translating < 0.5
     points, moved = structure.points[own], u[own]
     if len(points) < 2 * SLICES:

@@ -640,9 +640,9 @@ class ReducedStructure:
         return _on_basis(whole, self.band, self.damping, free, basis, rows, self.frequency, moves, of.cog, coarse)
 
     def nodes(self) -> tuple[Array, Integers]:
-        """(p, 3) [m] nodes that move, and (p, 3) the rows of `basis` by which they do."""
+        """(p, 3) [m] nodes that move, and (p, 3) the rows of `basis` by which they do, -1 where they are held."""
         whole = self.structure
-        moving = np.any(self.basis[whole.translations.ravel()], axis=1).reshape(whole.translations.shape).any(axis=1)
+        moving = (np.any(self.basis[whole.translations.ravel()], axis=1).reshape(-1, 3) & (whole.translations >= 0)).any(axis=1)
         return whole.points[moving], whole.translations[moving]
 
 

@@ -15,7 +15,7 @@ from scipy.linalg import eigh
 from fem.mesh import deck, description, files, model
 from fem.modes import lowest
 from fem.user_model.units import KNOWN, unit_system
-from geometry.errors import BadInput
+from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from validation.cli import main
 
@@ -269,8 +269,9 @@ def test_instances_stand_where_the_assembly_has_them(tmp_path: Path) -> None:
     assert mesh.node_tags[mesh.nodes_of("both")].tolist() == [1, 12]
     text, lost = deck.described(tmp_path / "two.inp")
     assert '[fe_model.parts."right.all"]' in text
-    assert "supports: 1 node is held in some directions alone, such as node 1 in 123" in lost[0]
+    assert lost == ()
     assert 'interface = ["right.tip"]' in text
+    assert '[fe_model.holds."x-y-z"]\nnodes = [1]\n' in text
     (tmp_path / "two.inp").write_text(f"{part}{one.replace('PART=bar', 'PART=rod')}{rest}")
     with pytest.raises(BadInput, match="of the part 'rod', which is not here"):
         files.read(tmp_path / "two.inp")
@@ -387,8 +388,8 @@ def test_hollow_and_open_sections(deck_text: str, ending: str, walls: Callable[[
         ("RBE3,9,,5,123,1.,123,1,2,\n,,2.,123,3", "RBE3 9: weights that differ"),
         ("RBE3,9,,4,123456,1.,123,1,2", "RBE3 9: node 4 follows others, and is part of the structure itself"),
         ("RBE3,9,,5,123,1.,123,1,2,\n,UM,1,123", "RBE3 9: weights that differ"),
-        ("RBE2,9,5,1,3,4", "RBE2 9: it carries its nodes in 1 alone"),
-        ("SPC1,1,3,4", "1 node is held in some directions alone, such as node 4 in 3"),
+        ("PROD,2,1,5.,7.\nCROD,2,2,1,5", "PROD 2: its stiffness in torsion"),
+        ("PTUBE,2,1,9.,1.,,7.\nCTUBE,2,2,1,5", "PTUBE 2: a taper"),
         ("CONM2,9,77,,5.", "CONM2 9: it stands at a node that is not there"),
         ("CONN2,9,1,,5.", "CONN2 9: a card that is not known here"),
         ("PCOMP,5", "PCOMP 5"),
@@ -491,14 +492,18 @@ def test_a_deck_that_may_be_cut_short_is_said_to_be(end: str, tmp_path: Path) ->
 
 @pytest.mark.parametrize("moved", ["123456", "123"])
 def test_a_link_is_held_where_the_node_that_carries_it_is(moved: str, tmp_path: Path) -> None:
-    """Clamped by its hub; held in translations alone the hub may turn, and that is said."""
+    """Clamped by its hub; held in translations alone the hub may turn."""
     hub = [card("GRID", 7, "", -30.0, 25.0, 10.0), card("RBE2", 8, 7, "123456", 1, 2), card("SPC1", 1, moved, 7)]
     lines = [line for line in PLATE if not line.startswith("SPC1")]
     (tmp_path / "one.bdf").write_text("\n".join([*lines, *hub, "ENDDATA", ""]))
     text, lost = deck.described(tmp_path / "one.bdf")
     (tmp_path / "one.toml").write_text(text)
     if moved == "123":
-        assert "1 node is held in some directions alone, such as node 7 in 123" in lost[0]
+        (one,) = description.read(tmp_path / "one.toml").holds.values()
+        assert (lost, one.nodes, one.directions) == ((), ("RBE2 8",), (0, 1, 2))
+        swings = model.load(tmp_path / "one.toml")[1]
+        with pytest.raises(CheckFailed, match="a joint of it swings"):
+            lowest(swings.stiffness, swings.mass, 6)
         return
     assert (lost, description.read(tmp_path / "one.toml").interface) == ((), ("RBE2 8",))
     held = model.load(tmp_path / "one.toml")[1]
@@ -517,3 +522,117 @@ def test_a_kind_of_card_is_left_out_of_the_mesh_only_if_all_of_them_are_stated(t
     assert lost == ("CELAS2 9: it joins two different motions, or its stiffness is not here",)
     with pytest.raises(BadInput, match="CELAS2 8 is not read"):
         model.load(tmp_path / "one.toml")
+
+
+STEEL = "MAT1,1,210000.,,.3,7.85-9"
+AREA, SPAN, RISE, TOP = 40.0, 300.0, 400.0, 0.05
+"""[mm², mm, mm, t] of two rods that lean against each other, and what they carry."""
+
+
+@pytest.mark.parametrize(
+    ("bars", "ending"),
+    [
+        (f"CROD,1,1,1,3\nCROD,2,1,2,3\nPROD,1,1,{AREA}", "bdf"),
+        (f"CONROD,1,1,3,1,{AREA}\nCONROD,2,2,3,1,{AREA}", "bdf"),
+        (f"CTUBE,1,1,1,3\nCTUBE,2,1,2,3\nPTUBE,1,1,{(AREA + 4 * np.pi) / (2 * np.pi):.9f},2.", "bdf"),
+        (f"*ELEMENT, TYPE=T3D2, ELSET=BARS\n1,1,3\n2,2,3\n*SOLID SECTION, ELSET=BARS, MATERIAL=M\n{AREA}", "inp"),
+    ],
+)
+def test_rods_push_and_pull_and_are_held_where_they_are_pinned(bars: str, ending: str, tmp_path: Path) -> None:
+    """Of the two rods that carry a mass: omega² = 2 E A cos² / L over the mass and a third of each rod, in closed form."""
+    points = {1: (-SPAN, 0.0, 0.0), 2: (SPAN, 0.0, 0.0), 3: (0.0, 0.0, RISE)}
+    grid = [f"{n},,{x},{y},{z}" for n, (x, y, z) in points.items()]
+    if ending == "bdf":
+        lines = ["BEGIN BULK", *(f"GRID,{one}" for one in grid), STEEL, bars, f"CONM2,9,3,,{TOP}"]
+        lines += ["SPC1,1,123456,1,2", "SPC1,1,2,3", "ENDDATA"]
+    else:
+        lines = ["*NODE", *(one.replace(",,", ",") for one in grid), bars, "*ELEMENT, TYPE=MASS, ELSET=TOP\n9,3"]
+        lines += [f"*MASS, ELSET=TOP\n{TOP}", "*MATERIAL, NAME=M\n*ELASTIC\n210000.,.3\n*DENSITY\n7.85e-9"]
+        lines += ["*BOUNDARY\n1,1,6\n2,1,3\n3,2"]
+    (tmp_path / f"one.{ending}").write_text("\n".join([*lines, ""]))
+    written, lost = deck.described(tmp_path / f"one.{ending}")
+    assert lost == ()
+    (tmp_path / "one.toml").write_text(written)
+    made = model.load(tmp_path / "one.toml")[1]
+    assert made.mass.shape == (2, 2)  # the top along x and z; a rod turns nothing
+    length = float(np.hypot(SPAN, RISE))
+    moving = 1e3 * (TOP + 2 * 7.85e-9 * AREA * length / 3)  # kg
+    wanted = [2 * 210e3 * AREA / length * 1e3 * (part / length) ** 2 / moving for part in (SPAN, RISE)]
+    np.testing.assert_allclose(eigh(made.stiffness.toarray(), made.mass.toarray(), eigvals_only=True), wanted, rtol=1e-6)
+    row = made.elements.rows([[-SPAN / 2e3, 0.0, RISE / 2e3]])[0].toarray()
+    np.testing.assert_allclose(row, [[0.5, 0], [0, 0], [0, 0.5]], atol=1e-12)
+    (tmp_path / "one.toml").write_text(re.sub(r"area = ", "length = ", written))
+    with pytest.raises(BadInput, match="or area alone, found length"):
+        description.read(tmp_path / "one.toml")
+
+
+def test_a_beam_on_two_bearings_is_held_in_some_directions(tmp_path: Path) -> None:
+    """Pinned at one end, on a roller at the other, out of plane nowhere: Euler's beam on two supports."""
+    count, length, side = 24, 2400.0, 20.0
+    grid = [f"GRID,{k + 1},,{k * length / count},0.,0." for k in range(count + 1)]
+    bars = [f"CBAR,{k + 1},1,{k + 1},{k + 2},0.,0.,1." for k in range(count)]
+    inertia = side**4 / 12
+    cards = [f"PBAR,1,1,{side**2},{inertia},{inertia},{2 * inertia}", "SPC1,1,1234,1", f"SPC1,1,23,{count + 1}"]
+    flat = f"SPC1,1,246,1,THRU,{count + 1}"
+    (tmp_path / "one.bdf").write_text("\n".join(["BEGIN BULK", *grid, *bars, STEEL, *cards, flat, "ENDDATA", ""]))
+    written, lost = deck.described(tmp_path / "one.bdf")
+    assert lost == ()
+    (tmp_path / "one.toml").write_text(written)
+    found = description.read(tmp_path / "one.toml")
+    assert {name: len(one.nodes) for name, one in found.holds.items()} == {
+        "x-y-z-alpha-gamma": 1,
+        "y-z-alpha-gamma": 1,
+        "y-alpha-gamma": count - 1,
+    }
+    made = model.load(tmp_path / "one.toml")[1]
+    values = lowest(made.stiffness, made.mass, 2).values
+    euler = np.array([1, 4]) ** 2 * np.pi**4 * 210e9 * side**2 / 12 / (7850 * (length / 1e3) ** 4) * 1e-6
+    np.testing.assert_allclose(values, euler, rtol=2e-3)
+    assert made.translations.min() == -1
+    assert len(made.points) == count  # all but the pinned end, which stands still
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ('holds = { a = { nodes = [3], directions = ["z"] } }\nsupport = "base"\n', "left out where a base carries"),
+        ('holds = { a = { nodes = [3], directions = ["up"] } }\n', "a list of some of x, y, z, alpha"),
+        ("holds = { a = { nodes = [3], directions = [] } }\n", "a list of some of x, y, z, alpha"),
+        ('holds = { a = { nodes = [], directions = ["z"] } }\n', "Name the nodes that are meant"),
+        ('holds = { a = { nodes = [77], directions = ["z"] } }\n', "no element of the parts has a node 77"),
+        (
+            'holds = { a = { nodes = [3], directions = ["z"] } }\n'
+            'links = { b = { at = ["0 m", "0 m", "1 m"], nodes = [3, 4] } }\n',
+            "rides on a link",
+        ),
+        ('links = { b = { at = ["0 m", "0 m", "1 m"], mean_of = [3, 4], directions = ["x"] } }\n', "left out beside `mean_of`"),
+    ],
+)
+def test_what_holds_in_some_directions_is_said_right(more: str, words: str, tmp_path: Path) -> None:
+    (tmp_path / "one.bdf").write_text("\n".join([*PLATE, "ENDDATA", ""]))
+    written = deck.described(tmp_path / "one.bdf")[0]
+    written = re.sub(r"support = .*\n", "", written) if "support" in more else written
+    (tmp_path / "one.toml").write_text(written.replace("[fe_model]\n", f"[fe_model]\n{more}"))
+    with pytest.raises(BadInput, match=words):
+        model.load(tmp_path / "one.toml")
+
+
+@pytest.mark.parametrize(
+    "comment",
+    [
+        '$HMNAME PROP                   1"wall plate" 4',
+        "$ Femap Property 1 : wall plate",
+        "$ANSA_NAME_COMMENT;1;PSHELL;wall plate;;NO;NO;NO;NO;",
+        "$ Elements and Element Properties for region : wall plate",
+        "$*  Property: wall plate",
+    ],
+)
+def test_a_part_is_called_what_the_deck_calls_its_property(comment: str, tmp_path: Path) -> None:
+    """By its number as well, so that descriptions of before hold."""
+    lines = [part for line in PLATE for part in ((comment, line) if line.startswith("PSHELL") else (line,))]
+    (tmp_path / "one.bdf").write_text("\n".join([*lines, "ENDDATA", ""]))
+    written, lost = deck.described(tmp_path / "one.bdf")
+    assert ('[fe_model.parts."wall plate"]' in written, lost) == (True, ())
+    for text in (written, written.replace('"wall plate"', '"1"')):
+        (tmp_path / "one.toml").write_text(text)
+        assert model.load(tmp_path / "one.toml")[1].mass.shape == (12, 12)

@@ -307,7 +307,7 @@ def test_a_sound_deck_is_read_whatever_stands_around_its_bulk_data(end: str, tmp
         ("RBE3,8,,1,123,1.,123,2,3", "RBE3"),
         ("MPC,8,1,1,1.,2,1,-1.", "MPC"),
         ("CELAS2,9,1000.,1,1", "CELAS2"),
-        ("CONROD,9,1,2,1,1.", "CONROD"),
+        ("CVISC,9,1,1,2", "CVISC"),
         ("GRID    9       0       61.250000.00E+0010.000010.00000", "freedoms"),
     ],
 )

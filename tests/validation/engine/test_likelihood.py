@@ -36,6 +36,24 @@ def test_the_gradient_is_that_of_the_cost_for_every_parameter(lab, away, known, 
         assert_allclose(found.gradient[k] / scale, (up - down) / (2 * step) / scale, rtol=1e-5, atol=1e-5, err_msg=parameter.name)
 
 
+@pytest.mark.parametrize("breaks", [True, False], ids=["fault of a factor", "any other"])
+def test_a_fault_that_leaves_next_to_nothing_costs_as_a_power(lab, breaks):
+    """Up to three plausible sizes as a normal deviate; beyond, where a factor falls to nothing, with its logarithm."""
+    problem = Problem((lab.toy({}, lines=5),))
+    (one, *_) = (one for one in problem.free(FITTED) if np.isfinite(one.tolerance))
+    cost = cost_of(problem, (replace(one, kind="effect" if breaks else one.kind, logarithmic=True, nominal=1.0),), FLOOR)
+
+    def price(u: float) -> float:
+        left, _ = cost.knowledge(np.array([u * one.tolerance]))
+        return 0.5 * float(left @ left)
+
+    for u in (-40.0, -10.0, -3.0001, -2.9999, -1.0, 0.0, 2.0, 5.0):
+        assert price(u) == pytest.approx(4.5 + 9 * np.log(abs(u) / 3) if breaks and abs(u) > 3 else u**2 / 2)
+        left, rows = cost.knowledge(np.array([u * one.tolerance]))
+        slope = (price(u + 1e-5) - price(u - 1e-5)) / 2e-5
+        assert float(rows[:, 0] @ left) * one.tolerance == pytest.approx(slope, abs=1e-4)
+
+
 def test_runs_may_share_rows_or_have_their_own(lab, away):
     toy = lab.toy({}, lines=20)
     own = replace(toy, per_run=True)

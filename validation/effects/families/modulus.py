@@ -8,7 +8,7 @@ FAMILY = Family(
     side=STRUCTURE,
     what="relative change of a part's modulus of elasticity",
     targets=("part",),
-    sizes=relative(-0.9, 9.0, 0.15),
+    sizes=relative(-0.999, 9.0, 0.15),
     example="modulus:mast=0.05",
     stage=OPENED,
     tolerance=0.025,
