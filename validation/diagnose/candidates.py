@@ -128,6 +128,25 @@ def is_resonator(named: Named) -> bool:
     return tuple(size.key for size in named.sizes) == RESONATOR
 
 
+SIZE_OCTAVES = np.arange(-6.0, 4.0, 0.5)
+"""[octave] of the prior sd: sizes at which an effect is looked at. Held by tests/validation/diagnosing/test_search.py."""
+
+
+def sizes(of: Parameter, octaves: Array = SIZE_OCTAVES) -> Array:
+    """Offsets of `of` at which an effect is looked at, (n,), none outside its bounds; else half of these.
+
+    Of a logarithm no two neighbours lie farther apart than a factor of two: a bearing of a twelfth of its stiffness moves
+    resonances to where one of a seventh or of a fiftieth has none.
+    """
+    steps = of.tolerance * np.exp2(octaves)
+    if of.logarithmic and (far := np.diff(steps, prepend=0.0) > log(2)).any():
+        near = steps[~far].max(initial=0.0)
+        steps = np.append(steps[~far], np.arange(near + log(2), min(steps[-1], max(-of.low, of.high)), log(2)))
+    both = np.concatenate([-steps[::-1], steps])
+    inside = both[(both > of.low) & (both < of.high)]
+    return inside if len(inside) else 0.5 * np.array([of.low, of.high])
+
+
 # Explanations that these data cannot tell apart: those of nearly the same evidence, and those that do the same to every channel.
 #
 # Evidence is compared between candidates that were fitted. What was not may still be an alias: the columns of J of one effect,

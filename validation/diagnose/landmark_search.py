@@ -12,9 +12,8 @@ from scipy.linalg import cholesky, solve_triangular
 from geometry.errors import CheckFailed
 from geometry.frames import Array
 from identification.quality import NORMAL_90
-from validation.diagnose.candidates import has_lines, is_resonator
+from validation.diagnose.candidates import has_lines, is_resonator, sizes
 from validation.diagnose.diagnosis import EffectEstimate
-from validation.diagnose.search import sizes
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS, STRUCTURE, evidence_threshold
 from validation.estimation.fit import BREAKDOWNS, COARSE, nearby
@@ -148,6 +147,17 @@ class DistantView:
     def number(self) -> float:
         """Of independent numbers among the landmarks."""
         return sum(one.number for one in self.marks)
+
+    @property
+    def far(self) -> bool:
+        """Whether the model as it is lies far from the data."""
+        return self.explained(()).chi2 > FAR * self.number
+
+    def nearest(self, menu: Sequence[Added], most: int) -> list[LandmarkFit]:
+        """What one effect of `menu` explains, the best first: of the `most` that come nearest at any of their sizes."""
+        home = self.explained(())
+        looked = sorted((self.scanned(home, one) for one in menu if len(self.sizes((one,))) == 1), key=lambda each: each[0])
+        return sorted((self.explained((there,)) for _, there in looked[:most]), key=lambda one: one.chi2)
 
     @cached_property
     def root(self) -> Array:
@@ -425,7 +435,7 @@ class FromAfar:
         if not view.marks:
             return None
         base = view.explained(())
-        if base.chi2 <= FAR * view.number:
+        if not view.far:
             return None
         progress("looking from afar", 0.0)
         groups = view.groups(menu)

@@ -16,19 +16,30 @@ from types import MappingProxyType
 import numpy as np
 
 from geometry.errors import CheckFailed
-from geometry.frames import Array
-from validation.diagnose.candidates import TINY_AT, aliases, band, has_lines, is_resonator, screen, screened_resonators
+from validation.diagnose.candidates import (
+    SIZE_OCTAVES,
+    TINY_AT,
+    aliases,
+    band,
+    has_lines,
+    is_resonator,
+    screen,
+    screened_resonators,
+    sizes,
+)
 from validation.diagnose.diagnosis import SIGNIFICANT, Candidate, FoundNode, Screened
+from validation.diagnose.landmark_search import DistantView, LandmarkFit
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, STRUCTURE, evidence_threshold, position
 from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, SINGLE_PLACES, STRIDE, child, nearby, start
 from validation.estimation.likelihood import cost_of, observed
-from validation.estimation.problem import EFFECT, FITTED, PLAIN, Fit, Parameter, Problem
+from validation.estimation.problem import EFFECT, FITTED, PLAIN, Fit, Problem
 from validation.estimation.verdicts import MISFIT, due_misfit, expected_z2, largest_z, misfit
 from validation.history.add import sized_by
 from validation.model.model import Added
 from validation.output import nats, odds
 from validation.prediction.effects import name
+from validation.prediction.landmarks import Landmark
 from validation.study import Study
 
 # When a fit counts as that of a model that misses nothing: limits set from sound tests, as docs/diagnosis-proven-blind.md tells.
@@ -175,9 +186,6 @@ def _offsets_in(problem: Problem, fit: Fit) -> dict[str, float]:
 # Restart from the priors. A blade's tip that is 100 g too heavy moves frequencies by forty tolerances, which absorb that:
 # from there each step to the mass needs a frequency that returns. So sizes are tried with every tolerance at its prior.
 
-SIZE_OCTAVES = np.arange(-6.0, 4.0, 0.5)
-"""[octave] of the prior sd: sizes at which an effect is looked at. Held by tests/validation/diagnosing/test_search.py."""
-
 
 def can_restart(added: Added) -> bool:
     """Whether an effect can be fitted from the priors: it has one fitted size and is not of a pendulum."""
@@ -223,30 +231,25 @@ tests/validation/diagnosing/test_search.py."""
 def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: "Progress") -> "SearchStep":
     """The step from `at`, which did not converge, to the effect of the structure that comes nearest to the data and converges.
 
-    What drove tolerances so far that no fit ends is seen from where they are declared, over a floor of `COARSE` on few
-    lines: each effect begins there at a part of what is plausible, and what is declared of the structure goes with it.
+    What drove tolerances so far that no fit ends is seen from where they are declared: by landmarks where these alone are far
+    off, else over a floor of `COARSE` on few lines, where each effect begins at a part of what is plausible.
     """
     asked = [one for one in menu if FAMILIES[one.named.family].side == STRUCTURE and can_restart(one)]
-    without = child(at.problem.sparser(STRIDE), PLAIN, at.fit, _declared(at.problem, at.fit), floor=COARSE[0])
-    nearest: list[tuple[float, Added, Fit]] = []
-    for done, added in enumerate(asked):
-        progress("looking from afar for what keeps the model from converging", done / len(asked))
-        problem = data.problem((*at.effects, added)).sparser(STRIDE)
-        (which,) = (name(added.named, size.key) for size in added.named.fitted_sizes)
-        size, enough = problem.by_name[which], nearest[FEW - 1][0] if len(nearest) >= FEW else inf
-        begins = [begin for begin in (FROM_AFAR * size.tolerance, -FROM_AFAR * size.tolerance) if size.low < begin < size.high]
-        fits = [child(problem, PLAIN, without, {which: begin}, floor=COARSE[0], worth=enough) for begin in begins]
-        nearest += [(fit.cost, added, fit) for fit in sorted(fits, key=lambda fit: fit.cost)[:1]]
-        nearest.sort(key=lambda one: one[0])
+    progress("looking from afar for what keeps the model from converging", 0.0)
+    view = DistantView(marks=() if data.made else Landmark.of_tests(data.predictions))
+    if view.marks and view.far:
+        nearest = [_begun_at(data, at, one) for one in view.nearest(asked, FITS_OF_A_STEP)]
+    else:
+        nearest = _nearest_by_lines(data, at, asked)
     tried, least = list[CandidateFit](), inf
-    for cost, added, fit in nearest[:FEW]:
+    for cost, added, begin in nearest[:FEW]:
         if any(one.goodness.null for one in tried) and cost > least + INDISTINGUISHABLE_NATS:
             break
         least = cost
         progress(f"trying {added.named.id} from afar", 0.9)
         effects = (*at.effects, added)
         problem = data.problem(effects)
-        whole = child(problem, FITTED, at.fit, _declared(problem, at.fit) | fit.by_name, from_afar=True)
+        whole = child(problem, FITTED, at.fit, _declared(problem, at.fit) | begin, from_afar=True)
         if whole.converged:
             tried.append(candidate_fit(at, recentred(data, Candidate(effects=effects, fit=whole, problem=problem))))
     tried, here = ranked(tried), goodness_of_fit(at.fit, at.problem)
@@ -254,18 +257,32 @@ def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: 
     return SearchStep(at=at, goodness=here, screened=screen(data, at, menu), tried=tuple(tried), added=best)
 
 
+def _begun_at(data: Study, at: Candidate, found: LandmarkFit) -> tuple[float, Added, dict[str, float]]:
+    """Cost, effect and offsets at which the fit of an effect begins that landmarks have found."""
+    (added,) = found.effects
+    free = (data.problem((*at.effects, added)).by_name[name(added.named, size.key)] for size in added.named.fitted_sizes)
+    return 0.5 * found.chi2, added, {one.name: one.offset(added.named.value) for one in free}
+
+
+def _nearest_by_lines(data: Study, at: Candidate, asked: Sequence[Added]) -> list[tuple[float, Added, dict[str, float]]]:
+    """The same of the effects that come nearest along few lines over a coarse floor, the best first."""
+    nearest: list[tuple[float, Added, dict[str, float]]] = []
+    without = child(at.problem.sparser(STRIDE), PLAIN, at.fit, _declared(at.problem, at.fit), floor=COARSE[0])
+    for added in asked:
+        problem = data.problem((*at.effects, added)).sparser(STRIDE)
+        (which,) = (name(added.named, size.key) for size in added.named.fitted_sizes)
+        size, enough = problem.by_name[which], nearest[FEW - 1][0] if len(nearest) >= FEW else inf
+        begins = [begin for begin in (FROM_AFAR * size.tolerance, -FROM_AFAR * size.tolerance) if size.low < begin < size.high]
+        fits = [child(problem, PLAIN, without, {which: begin}, floor=COARSE[0], worth=enough) for begin in begins]
+        nearest += [(fit.cost, added, fit.by_name) for fit in sorted(fits, key=lambda fit: fit.cost)[:1]]
+        nearest.sort(key=lambda one: one[0])
+    return nearest
+
+
 def _declared(problem: Problem, fit: Fit) -> dict[str, float]:
     """Offsets of tolerances as they are declared, and of the effects as `fit` found them."""
     found = {one.name: fit.by_name[one.name] for one in fit.parameters if one.kind == EFFECT}
     return {one.name: one.start for one in problem.parameters} | found
-
-
-def sizes(of: Parameter, octaves: Array = SIZE_OCTAVES) -> Array:
-    """Offsets of `of` at which an effect is looked at, (n,), none outside its bounds; else half of these."""
-    steps = of.tolerance * np.exp2(octaves)
-    both = np.concatenate([-steps[::-1], steps])
-    inside = both[(both > of.low) & (both < of.high)]
-    return inside if len(inside) else 0.5 * np.array([of.low, of.high])
 
 
 SAME_NATS = 0.05

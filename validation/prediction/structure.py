@@ -547,14 +547,17 @@ def joint_springs(structure: Structure, name: str) -> tuple[Array, Array] | None
     """What the joint `name` carries (6, n) for a unit of each degree of freedom, and its six springs; None where its sides cannot
     be told.
 
-    The sides are the parts that its degrees of freedom belong to; a joint of one side ties it to the ground. One side moved as a
-    rigid body gives the 6x6 stiffness, whose
-    centre is where a push does not turn; springs are those along and about the axes there.
+    The sides are the parts that its degrees of freedom belong to, or other joints where there is no part; a spring to the ground
+    tells none. A joint of one side ties it to the ground. One side moved as a rigid body gives the 6x6 stiffness, whose centre is
+    where a push does not turn; springs are those along and about the axes there.
     """
     K = structure.part_stiffness[name]
     own = np.flatnonzero(K.diagonal())
-    others = [np.isin(own, np.flatnonzero(share.diagonal())) for part, share in structure.part_stiffness.items() if part != name]
-    kinds, side = np.unique(np.array(others).reshape(-1, len(own)), axis=1, return_inverse=True)
+    telling = [part for part in structure.part_stiffness if part not in (name, *structure.supports)]
+    there = np.array([structure.part_stiffness[part].diagonal()[own] != 0 for part in telling]).reshape(-1, len(own))
+    joint = np.isin(telling, structure.joints)
+    there[joint] &= ~there[~joint].any(axis=0)
+    kinds, side = np.unique(there, axis=1, return_inverse=True)
     if kinds.shape[1] > 2:
         return None
     moved = np.zeros_like(structure.rigid)
@@ -569,9 +572,9 @@ def joint_springs(structure: Structure, name: str) -> tuple[Array, Array] | None
         return None
     centre = np.linalg.lstsq(coupling, whole[:3, 3:].ravel(), rcond=SMALL)[0]
     R = np.linalg.inv(rigid_transformation_6(centre))
-    there = np.diag(R.T @ whole @ R)
-    kept = there > SMALL * np.repeat([there[:3].max(), max(there[3:].max(), LEAST)], 3)
-    return np.where(kept[:, None], (loads @ R).T, 0.0), np.where(kept, there, 0.0)
+    six = np.diag(R.T @ whole @ R)
+    kept = six > SMALL * np.repeat([six[:3].max(), max(six[3:].max(), LEAST)], 3)
+    return np.where(kept[:, None], (loads @ R).T, 0.0), np.where(kept, six, 0.0)
 
 
 # A structure that no base carries: it stands on the ground, or floats.

@@ -180,6 +180,15 @@ def test_parts_that_a_link_ties_are_joined_as_if_welded_by_a_joint_that_may_give
     assert not np.allclose(of_linked.frequency[:3], soft.frequency[:3], rtol=0.01)
 
 
+@pytest.mark.parametrize("ends", ['at = "bolt"', 'between = ["bolt", "tip"]'])
+def test_a_spring_at_a_link_in_some_directions_hides_no_joint_of_it(meshed: Meshed, ends: str) -> None:
+    units = ['"0 N/m"', '"0 N/m"', '"1e5 N/m"', *3 * ['"0 N m/rad"']]
+    pad = f"[fe_model.springs.pad]\n{ends}\nstiffness = [{', '.join(units)}]\n"
+    held = 'support = "ground"\ninterface = ["root"]'
+    bare, sprung = (by_itself(meshed(apart(), HALVES, support=held, more=LINKED + more), 1000.0).matrices for more in ("", pad))
+    assert_allclose(sprung.joints["bolt@right"].stiffness, bare.joints["bolt@right"].stiffness, rtol=1e-9)
+
+
 def test_what_a_joint_gives_shows_from_the_first_radian_however_stiff_it_is(meshed: Meshed) -> None:
     """Its own compliance is a ten-thousandth of a plausible one: a step between the two is no derivative."""
     m = by_itself(meshed(apart(), HALVES, support='support = "free"', more=LINKED), 1000.0).matrices

@@ -6,13 +6,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.sparse.linalg import spsolve
 
+from fem.structure import Structure
+from fem.user_model import reading
 from validation.diagnose import landmark_search
 from validation.diagnose.candidates import candidates
+from validation.prediction.landmarks import Landmark
 from validation.study import Study
 
 E, WIDTH, THICKNESS, HEIGHT, MASS, LOSS, LEGS = 70e9, 0.025, 0.003, 0.15, 5.0, 0.01, 4
 F = np.arange(2.0, 90.0, 0.1)
+SOFTER = 1 / 12
 
 
 @pytest.fixture
@@ -85,3 +90,49 @@ def test_one_weight_far_beyond_what_is_plausible_is_one_weight_and_no_clamp(acce
     named = {one["id"] for one in found["accepted"]} - {"gravity-stiffness"}
     assert named <= {"point-mass:floor-3"}  # as the ordinary search or as that from afar has it
     assert named or "point-mass:floor-3" in found["equivalence_class"]
+
+
+FEET = """[fe_model.springs.left]
+at = 1
+stiffness = ["2e6 N/m", "2e6 N/m", "2e7 N/m", "3e3 N m/rad", "3e3 N m/rad", "3e3 N m/rad"]
+[fe_model.springs.right]
+at = {last}
+stiffness = ["2e6 N/m", "2e6 N/m", "2e7 N/m", "3e3 N m/rad", "3e3 N m/rad", "3e3 N m/rad"]
+"""
+
+
+def on_feet(portal: Callable[..., Path], folder: Path, count: int) -> Path:
+    """The portal on two springs to the ground, its model file."""
+    model = portal(folder, count)
+    model.write_text(model.read_text().replace('interface = ["HELD"]\n', "") + FEET.format(last=3 * count + 1))
+    return model
+
+
+def test_a_foot_of_a_twelfth_of_its_stiffness_is_found_between_sizes_that_explain_nothing(portal, tmp_path):
+    """A factor of seven or of fifty leaves all resonances where they are not. The truth is a finer mesh, solved line by line."""
+    model, fine = on_feet(portal, tmp_path, 8), reading.read(on_feet(portal, tmp_path / "fine", 24))
+    assert isinstance(fine, Structure)
+    K = fine.stiffness - (1 - SOFTER) * fine.part_stiffness["left"]
+    lossy = 0.01 * (fine.part_stiffness["posts"] + fine.part_stiffness["lintel"])
+    seen = np.vstack([fine.places[place].toarray()[k] for place, k in (("a", 0), ("b", 2), ("c", 2), ("c", 1))])
+    f = np.linspace(15.0, 800.0, 250)
+    H = np.array(
+        [-(w**2) * seen @ spsolve((K + 1j * lossy - w**2 * fine.mass).tocsc(), seen.T[:, [0, 2, 3]]) for w in 2 * np.pi * f]
+    )
+    noise = np.random.default_rng(4).standard_normal((*H.shape, 2)) @ [1, 1j]
+    H = H * (1 + 0.003 * noise)
+    for k in range(3):
+        table = np.column_stack([f, np.ascontiguousarray(H[:, :, k]).view(float)])
+        np.savetxt(tmp_path / f"{k}.csv", table, delimiter=",", header="f,r1,i1,r2,i2,r3,i3,r4,i4", comments="")
+    drives = ", ".join(f'{{ path = "{k}.csv", drive = "{drive}" }}' for k, drive in enumerate(("a:x", "c:z", "c:y")))
+    head = 'format = 1\nkind = "response-functions"\narticle = "portal"\nshare = 0.004\n'
+    (tmp_path / "test.toml").write_text(f'{head}responses = ["a:x", "b:z", "c:z", "c:y"]\nfiles = [{drives}]\n')
+    study = Study.open(model, [tmp_path / "test.toml"])
+    view = landmark_search.DistantView(marks=Landmark.of_tests(study.predictions))
+    menu = candidates(study, only=["support-stiffness"])
+    foot = next(one for one in menu if one.named.target == "left")
+    _, scanned = view.scanned(view.explained(()), foot)
+    assert abs(np.log2(scanned.named.value / SOFTER)) < 0.5
+    first, _ = view.nearest(menu, 2)
+    assert first.ids == {"support-stiffness:left"}
+    assert abs(first.effects[0].named.value / SOFTER - 1) < 0.1

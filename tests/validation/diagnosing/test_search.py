@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 from geometry.errors import CheckFailed
 from validation.cli import main
 from validation.diagnose import diagnose, search
-from validation.diagnose.candidates import candidates
+from validation.diagnose.candidates import candidates, sizes
 from validation.diagnose.diagnosis import Candidate, Screened
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, STRUCTURE, evidence_threshold
@@ -572,17 +572,28 @@ def test_from_home_a_size_that_had_not_come_through_does(soft, stuck):
 
 def test_sizes_grow_by_half_octaves_about_what_is_plausible_within_bounds():
     one = Parameter(name="x", unit="kg", tolerance=2.0, kind=EFFECT, low=-0.5, high=100.0)
-    found = search.sizes(one)
+    found = sizes(one)
     assert np.all((found > -0.5) & (found < 100.0))
     assert np.all(found != 0)
     positive = found[found > 0]
     assert_allclose(positive[1:] / positive[:-1], np.sqrt(2))
     assert positive[0] == 2.0 / 64
     assert found[found < 0].min() > -0.5
-    sided = search.sizes(replace(one, low=0.0, high=4e-6, tolerance=1e-6))
+    sided = sizes(replace(one, low=0.0, high=4e-6, tolerance=1e-6))
     assert 0 < sided.min() < sided.max() < 4e-6
     # What little may be taken off is nearer than all of them, and was nothing to look at: an empty list ended a diagnosis
-    assert search.sizes(replace(one, low=-1e-3, high=2e-3)).tolist() == [-5e-4, 1e-3]
+    assert sizes(replace(one, low=-1e-3, high=2e-3)).tolist() == [-5e-4, 1e-3]
+
+
+def test_of_a_logarithm_sizes_lie_a_factor_of_two_apart_at_most_as_far_as_bounds_allow():
+    one = Parameter(name="x", unit="1", tolerance=1.0, kind=EFFECT, low=-6.9, high=6.9, logarithmic=True)
+    for octaves in (np.arange(-6.0, 4.0, 0.5), np.arange(-3.0, 5.0)):
+        found = sizes(one, octaves)
+        assert np.diff(found[found > 0]).max() <= log(2) + 1e-12
+        assert 6.9 - log(2) < found.max() < 6.9
+        assert_allclose(found, -found[::-1])
+        plain = sizes(replace(one, logarithmic=False), octaves)
+        assert set(plain[(plain > 0) & (plain <= 1.0)]) <= set(found)
 
 
 @pytest.mark.parametrize(

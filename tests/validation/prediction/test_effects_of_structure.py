@@ -326,7 +326,7 @@ def test_a_tolerance_that_becomes_an_effect_gets_the_bounds_of_its_family():
     )
     (one,), _ = effects.opened((declared,), (Added(named=parse("modulus:mast=-0.12", WORDS)),))
     low, high = one.bounds(plain=True)
-    assert_allclose([one.value(low), one.value(high)], [-0.9, 9.0], rtol=1e-12)
+    assert_allclose([one.value(low), one.value(high)], [-0.999, 9.0], rtol=1e-12)
     assert declared.bounds(plain=True) == (-0.0625, 0.0625)
     assert declared.bounds(plain=False) == (-np.inf, np.inf)
     assert one.kind in PLAIN
