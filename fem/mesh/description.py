@@ -134,6 +134,9 @@ class Hold:
     directions: tuple[int, ...]
 
 
+GROUND = "ground"
+"""The clamp of nodes that the ground holds by their numbers."""
+
 LOWEST = "lowest plane"
 """What an assembly stands on that neither names an interface, nor is free or on springs."""
 

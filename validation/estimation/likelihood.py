@@ -323,19 +323,21 @@ class Cost:
 
 
 TAIL = 3.0
-"""[prior sd] of the logarithm of what is faulty from which a fault is one of those that leave next to nothing: a brace that is
-gone, a bolt that is loose. Its density falls there as a power, not as a normal one. Held by
+"""[prior sd] from which a fault is one of those that leave next to nothing: a brace that is gone, a bolt that is loose. The
+density of a factor's logarithm and of a compliance falls there as a power, not as a normal one. Held by
 tests/validation/diagnosing/test_building.py."""
+
+COMPLIANCES = ("m/N", "rad/(N m)")
 
 
 def tailed(one: Parameter) -> bool:
-    """Whether `one` is a fault of what may break altogether."""
-    return one.kind == EFFECT and one.logarithmic
+    """Whether `one` is a fault of what may break altogether: a factor, or a compliance."""
+    return one.kind == EFFECT and (one.logarithmic or one.unit in COMPLIANCES)
 
 
 def in_the_tail(one: Parameter, offset: float) -> bool:
-    """Whether next to nothing is left of what `one` is a factor on."""
-    return tailed(one) and offset < -TAIL * one.tolerance
+    """Whether next to nothing is left at `offset` of what `one` is a factor on, or stiff."""
+    return tailed(one) and (-offset if one.logarithmic else offset) > TAIL * one.tolerance
 
 
 def ends_of(one: Parameter, offset: float, ends: Sequence[float]) -> list[float]:

@@ -36,6 +36,7 @@ from validation.identify.identify import REDUCED
 from validation.model.model import Model
 from validation.model.setups import FMD, above_fmd
 from validation.output import percent, require_ending, require_file, rounded, stages, to_json
+from validation.prediction.modal_table import FREQUENCY
 from validation.reference.reference import file_name
 from validation.reference.statement import QUANTITIES
 from validation.report import compare, flexible, history, identify, reference, title
@@ -115,13 +116,19 @@ class ReportSummary:
     def data(self) -> Safe:
         """What was held against what."""
         maps, classical = self.report.comparison.maps, len(self.report.classical)
-        runs, lines = sum(len(one.runs) for one in maps), sum(len(one.runs) * len(one.frequency) for one in maps)
-        low, high = min(one.frequency[0] for one in maps), max(one.frequency[-1] for one in maps)
+        lined = [one for one in maps if len(one.frequency) > 1]  # a table of modes has one line for all of them
+        modes = sum(len(one.runs) for one in maps if len(one.frequency) == 1 and FREQUENCY in one.rows)
+        where, runs = list[str](), sum(len(one.runs) for one in lined)
+        if lined:
+            lines = sum(len(one.runs) * len(one.frequency) for one in lined)
+            low, high = min(one.frequency[0] for one in lined), max(one.frequency[-1] for one in lined)
+            where.append(f"{lines} lines between {low:.4g} and {high:.4g} Hz")
+        where += [f"{modes} modes of tables"] if modes else []
         files = f" and {classical} classical measurement{'s' if classical != 1 else ''}" if classical else ""
         of = "campaign" if len(self.report.campaigns) == len(maps) else "data set"
-        many = f"{len(maps)} {of}{'s' if len(maps) != 1 else ''}"
-        where = f"{lines} lines between {low:.4g} and {high:.4g} Hz"
-        return joined(f"{self.report.comparison.title} was held against {many} of {runs} runs{files}: {where}.")
+        many = f"{len(maps)} {of}{'s' if len(maps) != 1 else ''}{f' of {runs} runs' if runs else ''}"
+        told = f": {' and '.join(where)}" if where else ""
+        return joined(f"{self.report.comparison.title} was held against {many}{files}{told}.")
 
     def errors(self) -> Safe:
         """How well it fits."""
