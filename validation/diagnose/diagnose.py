@@ -5,6 +5,7 @@ Order of work ("What bit" of the catalogue): discrete mistakes, two levels, a co
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from importlib.metadata import version
 from math import erfc, inf, sqrt
@@ -12,7 +13,7 @@ from math import erfc, inf, sqrt
 import numpy as np
 
 from geometry import cache
-from geometry.errors import BadInput
+from geometry.errors import BadInput, CheckFailed
 from geometry.toml_file import nearest
 from identification.campaign import Campaign
 from identification.quality import NORMAL_90
@@ -23,7 +24,7 @@ from validation.diagnose.landmark_search import FromAfar, line_fit
 from validation.diagnose.mistakes import mistakes
 from validation.diagnose.next_test import advised
 from validation.diagnose.nonlinear import differing_levels, nonlinear
-from validation.diagnose.search import GoodnessOfFit, SearchStep, goodness_of_fit, stepwise_search
+from validation.diagnose.search import GoodnessOfFit, SearchStep, goodness_of_fit, placed_from_afar, stepwise_search
 from validation.diagnose.unexplained import Explanation, described, unexplained
 from validation.effects import effect
 from validation.effects.catalogue import FAMILIES, code_of_families, parse
@@ -108,6 +109,13 @@ def diagnosed(
         right, at, steps = stepwise_search(right, base, menu, tell, elsewhere if every else None, fitted)
         unknown = right.tests and not right.made and not goodness_of_fit(at.fit, at.problem).null
         afar = FromAfar.search(right, menu, tell) if unknown else None
+        placed = None
+        if afar is not None and every:
+            with suppress(CheckFailed):
+                placed = placed_from_afar(right, afar, menu, tell, elsewhere)
+        if placed is not None:
+            right, at, more = placed
+            steps, afar = (*steps, *(replace(one, screened=steps[-1].screened) for one in more)), None
         if not at.effects and afar is None:
             base.fit.required()
         found = answer(right, at, steps, tell) if afar is None else answer_from_afar(right, base, steps, afar, tell)

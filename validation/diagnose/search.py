@@ -9,6 +9,7 @@ goes when what is really missing is there, and a name may be right only beside t
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import inf, log, sqrt
 from types import MappingProxyType
@@ -28,7 +29,7 @@ from validation.diagnose.candidates import (
     sizes,
 )
 from validation.diagnose.diagnosis import SIGNIFICANT, Candidate, FoundNode, Screened
-from validation.diagnose.landmark_search import DistantView, LandmarkFit
+from validation.diagnose.landmark_search import DistantView, FromAfar, LandmarkFit
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, STRUCTURE, evidence_threshold, position
 from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, SINGLE_PLACES, STRIDE, child, nearby, start
@@ -490,7 +491,7 @@ def backward_elimination(
             tried = [there, *(() if moved is there else (moved,))]
             for one in near[:FITS_OF_A_STEP]:
                 again = _at_sizes(one.added, added)
-                rival = candidate_fit(rest, _fit_in_place(data, at, rest, again, worth=worth(rest, tried)))
+                rival = candidate_fit(rest, fit_in_place(data, at, rest, again, worth=worth(rest, tried)))
                 if in_band(data, rival) and (is_accepted(rival) or rival.evidence <= evidence):
                     tried.append(rival)
             tried = ranked(tried)
@@ -513,12 +514,12 @@ def _moved(data: Study, rest: Candidate, there: CandidateFit, elsewhere: Elsewhe
         if not found:
             break
         ready = found[0][0]  # all are held against each other over the same coordinates
-        rest, here = (_over(ready, data, one) for one in (rest, end.candidate))
+        rest, here = (over(ready, data, one) for one in (rest, end.candidate))
         brought = candidate_fit(rest, here).evidence
         fits = []
         for _, added, cost in found:
             enough = rest.fit.cost - brought - cost
-            fits.append((candidate_fit(rest, _fit_in_place(ready, here, rest, added, worth=enough)), cost))
+            fits.append((candidate_fit(rest, fit_in_place(ready, here, rest, added, worth=enough)), cost))
         ends = [(one.evidence - cost - brought, one) for one, cost in fits if is_accepted(one)]
         gained, best = max(ends, key=lambda one: one[0], default=(0.0, end))
         if gained <= SAME_NATS:
@@ -527,7 +528,7 @@ def _moved(data: Study, rest: Candidate, there: CandidateFit, elsewhere: Elsewhe
     return data, end
 
 
-def _over(ready: Study, data: Study, of: Candidate) -> Candidate:
+def over(ready: Study, data: Study, of: Candidate) -> Candidate:
     """`of` the study `data`, fitted from where it stands over what coordinates `ready` has more."""
     if ready is data:
         return of
@@ -539,7 +540,7 @@ def _over(ready: Study, data: Study, of: Candidate) -> Candidate:
     return recentred(ready, replace(of, fit=fit, problem=problem))
 
 
-def _fit_in_place(data: Study, at: Candidate, rest: Candidate, added: Added, *, worth: float = inf) -> Candidate:
+def fit_in_place(data: Study, at: Candidate, rest: Candidate, added: Added, *, worth: float = inf) -> Candidate:
     """`rest` with the effect `added` as well, from where `at` ended with another in its place; `worth` as in `fit_with`."""
     effects = (*rest.effects, added)
     problem = data.problem(effects)
@@ -653,7 +654,7 @@ def stepwise_search(
                 others = (other for other in one.tried if other is not each)
                 led = [*rounds[:-1], replace(one, tried=(each, *others), added=each.id)]
                 ready, end, asked = backward_elimination(data, each.candidate, led, progress, elsewhere, by_name=False)
-                ends.append((end.fit.log_evidence - _over(ready, data, at).fit.log_evidence, led, ready, end, asked))
+                ends.append((end.fit.log_evidence - over(ready, data, at).fit.log_evidence, led, ready, end, asked))
             _, led, data, found, asked = max(ends, key=lambda one: one[0])
             rounds = [*led, *asked]
         if goodness_of_fit(found.fit, found.problem).largest >= ABSURD:
@@ -664,15 +665,46 @@ def stepwise_search(
         rounds += asked
         if not null and explained < GOOD_PART * one.goodness.excess(one.at.fit):
             break  # nothing known is most of what is wrong: the rest would be named one by one, and none of it is there
+    return *_finished(data, at), tuple(rounds)
+
+
+def _finished(data: Study, at: Candidate) -> tuple[Study, Candidate]:
+    """`at` fitted to its end, since it may be a trial, over the coordinates of the places that it has, and its study."""
     places = [one.named.target for one in at.effects if one.named.targets and position(one.named.target) is not None]
-    moved = bool({*places} - {*data.model.looked_at})
-    if moved:
-        data = data.ready_at(places)
-        at = replace(at, problem=data.problem(at.effects))
-    if at.effects:  # its fit may be a trial
-        whole = nearby(at.problem, FITTED, at.fit.by_name)
-        at = recentred(data, replace(at, fit=whole)) if moved or whole.cost <= at.fit.cost + SAME_NATS else at
-    return data, at, tuple(rounds)
+    with suppress(CheckFailed):  # over other coordinates a model may break down where it stands: then it stays as it is
+        if {*places} - {*data.model.looked_at}:
+            ready = data.ready_at(places)
+            at, data = over(ready, data, at), ready
+        if at.effects:
+            whole = nearby(at.problem, FITTED, at.fit.by_name)
+            at = recentred(data, replace(at, fit=whole)) if whole.cost <= at.fit.cost + SAME_NATS else at
+    return data, at
+
+
+def placed_from_afar(
+    data: Study, afar: FromAfar, menu: Sequence[Added], progress: Progress, elsewhere: Elsewhere
+) -> tuple[Study, Candidate, tuple[SearchStep, ...]] | None:
+    """What was found from afar, beside each other at the nodes of a mesh and under the names that are best; None unless nothing
+    more need be missing then, or if nothing was without.
+
+    From afar only places that have names are looked at.
+    """
+    problem = data.problem(afar.best.effects)
+    start = Candidate(effects=afar.best.effects, fit=nearby(problem, FITTED, problem.start), problem=problem)
+    if goodness_of_fit(start.fit, problem).null:
+        return None
+    start, rounds = recentred(data, start), list[SearchStep]()
+    for one in start.effects:
+        left = tuple(each for each in start.effects if each is not one)
+        problem = data.problem(left)
+        rest = recentred(data, Candidate(effects=left, fit=nearby(problem, FITTED, start.fit.by_name), problem=problem))
+        others = [each for each in menu if each.named.id in afar.alike[one.named.id][1:]]
+        ends = [replace(start, effects=(*left, one)), *(fit_in_place(data, start, rest, each) for each in others)]
+        stands, tried = goodness_of_fit(rest.fit, problem), ranked([candidate_fit(rest, each) for each in ends])
+        rounds.append(SearchStep(at=rest, goodness=stands, screened=(), tried=tuple(tried), added=one.named.id))
+    data, at, asked = backward_elimination(data, start, rounds, progress, elsewhere)
+    data, at = _finished(data, at)
+    return (data, at, (*rounds, *asked)) if goodness_of_fit(at.fit, at.problem).null else None
 
 
 def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress, fitted: Sequence[FoundNode] = ()) -> SearchStep:
@@ -693,7 +725,7 @@ def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress,
         for one in rivals:
             rival = candidate_fit(at, fit_with(data, at, one, worth=worth(at, tried)))
             if rival.evidence < KEPT_SHARE * tried[0].evidence:
-                there = candidate_fit(at, _fit_in_place(data, tried[0].candidate, at, one, worth=worth(at, tried)))
+                there = candidate_fit(at, fit_in_place(data, tried[0].candidate, at, one, worth=worth(at, tried)))
                 rival = max(rival, there, key=lambda each: each.evidence)
             more.append(rival)
         may = [one for one in more if in_band(data, one) and (is_accepted(one) or one.evidence <= tried[0].evidence)]

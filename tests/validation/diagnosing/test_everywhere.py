@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.linalg import eigh
 
 from fem.damping import Damping
 from fem.structure import Structure, place_rows
@@ -15,7 +16,8 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from validation.diagnose import candidates, search
 from validation.diagnose.diagnose import diagnosed
-from validation.diagnose.everywhere import MeshSearch, found_nodes, without_a_name
+from validation.diagnose.everywhere import MeshSearch, elsewhere, found_nodes, without_a_name
+from validation.diagnose.landmark_search import FromAfar
 from validation.effects.catalogue import Named, parse
 from validation.effects.effect import Vocabulary, at_position, position
 from validation.history.add import names_of
@@ -207,3 +209,50 @@ def test_a_point_where_the_model_has_a_name_is_that_place(study):
     assert [one.place for one in found.responses] == [one.place for one in test.responses]
     away = [replace(strange[0], position=(0.0, 0.0, 0.2399)), *strange[1:]]
     assert structure_tests.named(structure, replace(test, responses=tuple(away))).responses[0].place == "node 9"
+
+
+def tabled(model: Path, fine: Path, text: str, sensors: str, softer: float = 0.0) -> Study:
+    """Twelve modes of the mesh of `fine` as a table, the lintel `softer` by that share and with the effect `text` in it."""
+    structure, named = reading.read(fine), parse(text, ANYWHERE)
+    assert isinstance(structure, Structure)
+    rows = place_rows(structure, np.array(position(named.target)))[0]
+    K, M = structure.stiffness - softer * structure.part_stiffness["lintel"], structure.mass
+    if named.family == "point-mass":
+        M = M + named.value * rows.T @ rows
+    else:
+        along = rows[["xyz".index(named.targets[1])]]
+        K = K + named.value * along.T @ along
+    squares, shapes = eigh(K.toarray(), M.toarray(), subset_by_index=(0, 11))
+    seen = np.array(
+        [
+            (structure.places[place].tocsr()[["xyz".index(axis)]] @ shapes)[0]
+            for place, _, axis in (one.partition(":") for one in sensors.split())
+        ]
+    )
+    f = np.sqrt(squares) / (2 * np.pi) * (1 + 1e-3 * np.random.default_rng(5).standard_normal(12))
+    table = f"frequencies = {[f'{x:.5f} +/- {1e-3 * x:.5f} Hz' for x in f]}\nshapes = {seen.T.round(5).tolist()}\n"
+    head = f'format = 1\nkind = "modal-table"\narticle = "portal"\nsensors = {sensors.split()}\nshapes_deviation = 0.02\n'
+    (model.parent / "table.toml").write_text((head + table).replace("'", '"'))
+    return Study.open(model, [model.parent / "table.toml"])
+
+
+def quiet(what: str, share: float) -> None:
+    """Hears nothing."""
+
+
+def test_beside_another_effect_a_spring_far_off_is_found_at_a_node_without_a_name(portal, tmp_path):
+    """From afar places with names alone are looked at. The truth is another mesh, solved whole."""
+    hidden = f"cable:{at_position(HIDDEN)}:z"
+    study = tabled(
+        portal(tmp_path, 10), portal(tmp_path / "fine", 30), f"{hidden}=3e5", "a:x a:y b:x b:y c:x c:y c:z", softer=0.35
+    )
+    menu = candidates.candidates(study, only=["cable", "modulus"])
+    afar = FromAfar.search(study, menu, quiet)
+    assert afar is not None
+    found = search.placed_from_afar(study, afar, menu, quiet, elsewhere)
+    assert found is not None
+    spring, softened = sorted((one.named for one in found[1].effects), key=lambda one: one.family)
+    assert softened.id == "modulus:lintel"
+    assert abs(softened.value + 0.35) < 0.05
+    assert np.linalg.norm(np.array(position(spring.target)) - HIDDEN) < 0.04
+    assert spring.targets[1] == "z"
