@@ -19,7 +19,7 @@ from identification.campaign import Campaign
 from identification.quality import NORMAL_90
 from validation.compare.correlation import correlations
 from validation.diagnose import candidates, diagnosis, pendulum, search
-from validation.diagnose.everywhere import elsewhere, found_nodes, without_a_name
+from validation.diagnose.everywhere import elsewhere, found_nodes, with_twins, without_a_name
 from validation.diagnose.landmark_search import FromAfar, line_fit
 from validation.diagnose.mistakes import mistakes
 from validation.diagnose.next_test import advised
@@ -118,6 +118,9 @@ def diagnosed(
             steps, afar = (*steps, *(replace(one, screened=steps[-1].screened) for one in more)), None
         if not at.effects and afar is None:
             base.fit.required()
+        if afar is None and goodness_of_fit(at.fit, at.problem).null:
+            right, at, more = with_twins(right, at, steps)
+            steps = (*steps, *more)
         found = answer(right, at, steps, tell) if afar is None else answer_from_afar(right, base, steps, afar, tell)
         found = replace(found, everywhere=nodes, nodes=every)
     whole = with_mistakes(of, found, mistaken) if mistaken else found

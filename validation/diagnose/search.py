@@ -29,7 +29,7 @@ from validation.diagnose.candidates import (
     sizes,
 )
 from validation.diagnose.diagnosis import SIGNIFICANT, Candidate, FoundNode, Screened
-from validation.diagnose.landmark_search import DistantView, FromAfar, LandmarkFit
+from validation.diagnose.landmark_search import DistantView, FromAfar
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, STRUCTURE, evidence_threshold, position
 from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, SINGLE_PLACES, STRIDE, child, nearby, start
@@ -238,8 +238,9 @@ def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: 
     asked = [one for one in menu if FAMILIES[one.named.family].side == STRUCTURE and can_restart(one)]
     progress("looking from afar for what keeps the model from converging", 0.0)
     view = DistantView(marks=() if data.made else Landmark.of_tests(data.predictions))
+    nearest: list[tuple[float, Added, dict[str, float]]]
     if view.marks and view.far:
-        nearest = [_begun_at(data, at, one) for one in view.nearest(asked, FITS_OF_A_STEP)]
+        nearest = [(0.5 * one.chi2, one.effects[0], {}) for one in view.nearest(asked, FITS_OF_A_STEP)]
     else:
         nearest = _nearest_by_lines(data, at, asked)
     tried, least = list[CandidateFit](), inf
@@ -258,15 +259,8 @@ def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: 
     return SearchStep(at=at, goodness=here, screened=screen(data, at, menu), tried=tuple(tried), added=best)
 
 
-def _begun_at(data: Study, at: Candidate, found: LandmarkFit) -> tuple[float, Added, dict[str, float]]:
-    """Cost, effect and offsets at which the fit of an effect begins that landmarks have found."""
-    (added,) = found.effects
-    free = (data.problem((*at.effects, added)).by_name[name(added.named, size.key)] for size in added.named.fitted_sizes)
-    return 0.5 * found.chi2, added, {one.name: one.offset(added.named.value) for one in free}
-
-
 def _nearest_by_lines(data: Study, at: Candidate, asked: Sequence[Added]) -> list[tuple[float, Added, dict[str, float]]]:
-    """The same of the effects that come nearest along few lines over a coarse floor, the best first."""
+    """Cost, effect and offsets of those that come nearest along few lines over a coarse floor, the best first."""
     nearest: list[tuple[float, Added, dict[str, float]]] = []
     without = child(at.problem.sparser(STRIDE), PLAIN, at.fit, _declared(at.problem, at.fit), floor=COARSE[0])
     for added in asked:

@@ -16,7 +16,7 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from validation.diagnose import candidates, search
 from validation.diagnose.diagnose import diagnosed
-from validation.diagnose.everywhere import MeshSearch, elsewhere, found_nodes, without_a_name
+from validation.diagnose.everywhere import MeshSearch, elsewhere, found_nodes, with_twins, without_a_name
 from validation.diagnose.landmark_search import FromAfar
 from validation.effects.catalogue import Named, parse
 from validation.effects.effect import Vocabulary, at_position, position
@@ -256,3 +256,18 @@ def test_beside_another_effect_a_spring_far_off_is_found_at_a_node_without_a_nam
     assert abs(softened.value + 0.35) < 0.05
     assert np.linalg.norm(np.array(position(spring.target)) - HIDDEN) < 0.04
     assert spring.targets[1] == "z"
+
+
+@pytest.mark.parametrize(("sensors", "alike"), [("c:y c:z", True), ("c:x c:y c:z", False)])
+def test_a_mass_at_a_node_and_at_its_mirror_image_is_one_name_where_no_sensor_parts_them(portal, tmp_path, sensors, alike):
+    study = tabled(portal(tmp_path, 10), portal(tmp_path / "fine", 30), f"point-mass:{at_position(HIDDEN)}=0.03", sensors)
+    ready = study.ready_at([at_position(HIDDEN)])
+    base = candidates.baseline(ready)
+    at = search.fit_with(ready, base, Added(named=parse(f"point-mass:{at_position(HIDDEN)}=0.02", ANYWHERE)))
+    brought = search.candidate_fit(base, at)
+    step = search.SearchStep(at=base, goodness=brought.goodness, screened=(), tried=(brought,), added=brought.id)
+    data, end, more = with_twins(ready, at, [step])
+    mirror = f"point-mass:{at_position((0.3 - HIDDEN[0], 0.0, HIDDEN[2]))}"
+    assert [one.same_as(brought.id) for one in more] == ([(mirror,)] if alike else [])
+    assert data.problem(end.effects).parameters
+    assert (mirror.partition(":")[2] in data.model.looked_at) == alike
