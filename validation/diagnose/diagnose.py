@@ -185,9 +185,10 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         after = errors(study, found, lambda share: progress("errors with what was found", share))
     accepted = []
     for one in named:
-        evidence = next((each.tried[0].evidence for each in reversed(steps) if each.added == one.named.id), 0.0)
         if len(found.effects) == 1:  # whatever was there on the way
             evidence = found.fit.log_evidence - base.fit.log_evidence
+        else:
+            evidence = last[one.named.id].evidence if one.named.id in last else 0.0
         accepted.append(replace(as_cause(one, found, evidence, stands), same=same[one.named.id]))
     # Tests that would tell apart what is as good as the best; where nothing is, what the catalogue knows to confirm it
     advice = diagnosis.confirming(one.named for one in found.effects) if verdict in (diagnosis.MISSING, diagnosis.SEVERAL) else ()

@@ -348,6 +348,16 @@ class SearchStep:
             and (one.goodness.null or not best.goodness.null)
         )
 
+    @property
+    def evidence(self) -> float:
+        """[nats] of what was added, against a fit without it that goes to its end where it was given up on the way."""
+        rest, brought = self.at, self.tried[0].evidence
+        with suppress(CheckFailed):
+            if not rest.fit.converged:
+                whole = nearby(rest.problem, FITTED, rest.fit.by_name)
+                brought -= max(whole.log_evidence - rest.fit.log_evidence, 0.0)
+        return brought
+
     def same_as(self, id: str) -> tuple[str, ...]:
         """Ids that explain these data to the last digit as `id` does, which is then one name for all of them."""
         mine = next((one for one in self.tried if one.id == id), None)
@@ -508,7 +518,10 @@ def _moved(data: Study, rest: Candidate, there: CandidateFit, elsewhere: Elsewhe
         if not found:
             break
         ready = found[0][0]  # all are held against each other over the same coordinates
-        rest, here = (over(ready, data, one) for one in (rest, end.candidate))
+        try:
+            rest, here = (over(ready, data, one) for one in (rest, end.candidate))
+        except CheckFailed:  # over more coordinates the model breaks down wherever it begins
+            break
         brought = candidate_fit(rest, here).evidence
         fits = []
         for _, added, cost in found:

@@ -16,10 +16,13 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from validation.diagnose import candidates, search
 from validation.diagnose.diagnose import diagnosed
+from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.everywhere import MeshSearch, elsewhere, found_nodes, with_twins, without_a_name
 from validation.diagnose.landmark_search import FromAfar
 from validation.effects.catalogue import Named, parse
 from validation.effects.effect import Vocabulary, at_position, position
+from validation.estimation.fit import nearby
+from validation.estimation.problem import FITTED
 from validation.history.add import names_of
 from validation.model.model import Added
 from validation.prediction import dynamic_mass, structure_tests
@@ -271,3 +274,24 @@ def test_a_mass_at_a_node_and_at_its_mirror_image_is_one_name_where_no_sensor_pa
     assert [one.same_as(brought.id) for one in more] == ([(mirror,)] if alike else [])
     assert data.problem(end.effects).parameters
     assert (mirror.partition(":")[2] in data.model.looked_at) == alike
+
+
+def test_what_an_effect_brings_beside_another_is_told_against_a_fit_that_was_not_given_up(portal, tmp_path):
+    """The fit without it is left on the way where it cannot be as good: what it had not gained by then counted for the effect."""
+    place, sensors = at_position(HIDDEN), "a:x a:y b:x b:y c:x c:y c:z"
+    study = tabled(portal(tmp_path, 10), portal(tmp_path / "fine", 30), f"point-mass:{place}=0.3", sensors, softer=0.35)
+    ready = study.ready_at([place])
+    (softer,) = candidates.candidates(ready, only=["modulus:lintel"])
+    both = (
+        replace(softer, named=replace(softer.named, values={"": -0.35})),
+        Added(named=parse(f"point-mass:{place}=0.3", ANYWHERE)),
+    )
+    problem, left = ready.problem(both), ready.problem(both[:1])
+    whole = nearby(problem, FITTED, problem.start)
+    given_up, ended = (nearby(left, FITTED, whole.by_name, worth=worth) for worth in (whole.cost + 20.0, np.inf))
+    rest = Candidate(effects=both[:1], fit=given_up, problem=left)
+    there = search.candidate_fit(rest, Candidate(effects=both, fit=whole, problem=problem))
+    step = search.SearchStep(at=rest, goodness=there.goodness, screened=(), tried=(there,), added=there.id)
+    assert (given_up.converged, ended.cost < given_up.cost - 10.0) == (False, True)
+    assert step.evidence == pytest.approx(whole.log_evidence - ended.log_evidence, abs=0.5)
+    assert there.evidence > step.evidence + 10.0

@@ -724,6 +724,23 @@ def test_one_tolerance_alone_refuses_and_everything_that_refuses_is_said(noisy):
     assert not found.null
 
 
+def test_what_breaks_down_over_more_coordinates_wherever_it_begins_stays_where_it_is(monkeypatch):
+    """It had ended the diagnosis: on the mesh, and at the end of a search."""
+
+    def breaks(problem, free, offsets, **_):
+        raise CheckFailed("the model breaks down")
+
+    ready = SimpleNamespace(problem=lambda effects: None)
+    bench: Any = SimpleNamespace(model=SimpleNamespace(looked_at=()), ready_at=lambda places: ready, problem=lambda effects: None)
+    at = hypothesis("point-mass:mast-top", evidence=10.0)
+    at = replace(at, effects=tuple(replace(one, named=replace(one.named, targets=("@0,0,1",))) for one in at.effects))
+    monkeypatch.setattr(search, "nearby", breaks)
+    monkeypatch.setattr(search, "_declared", lambda problem, fit: {})
+    assert search._finished(bench, at) == (bench, at)
+    there = search.CandidateFit(id=at.effects[0].named.id, candidate=at, evidence=10.0, goodness=STANDS)
+    assert search._moved(bench, ALONE, there, lambda *_: ((ready, at.effects[0], 0.0),)) == (bench, there)
+
+
 def test_what_breaks_down_over_more_coordinates_begins_there_where_tolerances_are_declared(monkeypatch):
     """A plate with a spring ended in a traceback: its tolerances stood where coordinates that are new keep no stiffness."""
     begun: list[object] = []
