@@ -5,6 +5,7 @@ Order of work ("What bit" of the catalogue): discrete mistakes, two levels, a co
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from importlib.metadata import version
 from math import erfc, inf, sqrt
@@ -12,18 +13,18 @@ from math import erfc, inf, sqrt
 import numpy as np
 
 from geometry import cache
-from geometry.errors import BadInput
+from geometry.errors import BadInput, CheckFailed
 from geometry.toml_file import nearest
 from identification.campaign import Campaign
 from identification.quality import NORMAL_90
 from validation.compare.correlation import correlations
 from validation.diagnose import candidates, diagnosis, pendulum, search
-from validation.diagnose.everywhere import elsewhere, found_nodes, without_a_name
+from validation.diagnose.everywhere import elsewhere, found_nodes, with_twins, without_a_name
 from validation.diagnose.landmark_search import FromAfar, line_fit
 from validation.diagnose.mistakes import mistakes
 from validation.diagnose.next_test import advised
 from validation.diagnose.nonlinear import differing_levels, nonlinear
-from validation.diagnose.search import GoodnessOfFit, SearchStep, goodness_of_fit, stepwise_search
+from validation.diagnose.search import GoodnessOfFit, SearchStep, goodness_of_fit, placed_from_afar, stepwise_search
 from validation.diagnose.unexplained import Explanation, described, unexplained
 from validation.effects import effect
 from validation.effects.catalogue import FAMILIES, code_of_families, parse
@@ -109,8 +110,18 @@ def diagnosed(
         right, at, steps = stepwise_search(right, base, menu, tell, elsewhere if every else None, fitted)
         unknown = right.tests and not right.made and not goodness_of_fit(at.fit, at.problem).null
         afar = FromAfar.search(right, menu, tell) if unknown else None
+        placed = None
+        if afar is not None and every:
+            with suppress(CheckFailed):
+                placed = placed_from_afar(right, afar, menu, tell, elsewhere)
+        if placed is not None:
+            right, at, more = placed
+            steps, afar = (*steps, *(replace(one, screened=steps[-1].screened) for one in more)), None
         if not at.effects and afar is None:
             base.fit.required()
+        if afar is None and goodness_of_fit(at.fit, at.problem).null:
+            right, at, more = with_twins(right, at, steps)
+            steps = (*steps, *more)
         found = answer(right, at, steps, tell) if afar is None else answer_from_afar(right, base, steps, afar, tell)
         found = replace(found, everywhere=nodes, nodes=every)
     whole = with_mistakes(of, found, mistaken) if mistaken else found
@@ -175,9 +186,10 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         after = errors(study, found, lambda share: progress("errors with what was found", share))
     accepted = []
     for one in named:
-        evidence = next((each.tried[0].evidence for each in reversed(steps) if each.added == one.named.id), 0.0)
         if len(found.effects) == 1:  # whatever was there on the way
             evidence = found.fit.log_evidence - base.fit.log_evidence
+        else:
+            evidence = last[one.named.id].evidence if one.named.id in last else 0.0
         accepted.append(replace(as_cause(one, found, evidence, stands), same=same[one.named.id]))
     # Tests that would tell apart what is as good as the best; where nothing is, what the catalogue knows to confirm it
     advice = diagnosis.confirming(one.named for one in found.effects) if verdict in (diagnosis.MISSING, diagnosis.SEVERAL) else ()

@@ -22,12 +22,27 @@ import numpy as np
 
 from fem.structure import Structure
 from geometry.dynamic_mass import ComplexArray
+from geometry.errors import CheckFailed
 from geometry.frames import Array, Integers
 from identification.self_calibration.solve import inverse
 from validation.diagnose import unexplained_fit as fit
 from validation.diagnose.candidates import DAMPING, OCCAM, PER_OCTAVE, SAME_DIRECTION, band, has_lines
 from validation.diagnose.diagnosis import Candidate, FoundNode
-from validation.diagnose.search import CandidateFit, can_restart, candidate_fit, fit_with, restarted_from_priors, worth
+from validation.diagnose.search import (
+    FEW,
+    SCREENING_ERROR,
+    SCREENING_MARGIN,
+    CandidateFit,
+    SearchStep,
+    can_restart,
+    candidate_fit,
+    fit_in_place,
+    fit_with,
+    over,
+    ranked,
+    restarted_from_priors,
+    worth,
+)
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import INDISTINGUISHABLE_NATS, at_position, evidence_threshold, position
 from validation.estimation.fit import BREAKDOWNS, FLOOR
@@ -97,6 +112,14 @@ tests/validation/diagnosing/test_everywhere.py."""
 
 NAMED = 3
 """[count] of places with a name, the best to first order, that are asked likewise. Exercised by
+tests/validation/diagnosing/test_everywhere.py."""
+
+ASKED = 1024
+"""[count] of nodes, spread over the structure, at which twins of one are looked for: the cost of one search about a node.
+Exercised by tests/validation/diagnosing/test_everywhere.py."""
+
+NEIGHBOURS = 9
+"""[count] of nodes, itself one, among which one with the most evidence is the top of a hill. Exercised by
 tests/validation/diagnosing/test_everywhere.py."""
 
 APART = 0.03
@@ -356,6 +379,24 @@ class MeshSearch:
         _, found, node = max((*self.sized(kind, self.rows(np.array([one]))[0], size[one]), one) for one in some)
         return self.nearby(kind, self.points[node], found)
 
+    def twins(self, kind: str, named: Named) -> Array:
+        """(q, 3) [m] nodes where an effect may explain as much as `named` does: the tops of other hills of the evidence."""
+        from scipy.spatial import cKDTree
+
+        own = int(np.argmin(np.linalg.norm(self.points - np.array(position(named.target)), axis=1)))
+        some = np.unique([own, *np.linspace(0, len(self.points) - 1, ASKED).astype(np.int64)])
+        rows, tree = self.rows(some), cKDTree(self.points[some])
+        octaves = np.log2(abs(named.value) / self.plausible(rows)[kind])
+        each = zip(rows, octaves, strict=True)
+        gains = np.array([self.sized(kind, row, named.value, np.array([octave]))[0] for row, octave in each])
+        around = tree.query(self.points[some], k=min(NEIGHBOURS, len(some)))[1]
+        uphill, top = around[np.arange(len(some)), np.argmax(gains[around], axis=1)], int(np.searchsorted(some, own))
+        least = (1 - SCREENING_ERROR) * gains[top] - SCREENING_MARGIN
+        while gains[uphill[top]] > gains[top]:
+            top = int(uphill[top])
+        tops = np.flatnonzero((gains[uphill] <= gains) & (gains > least) & (np.arange(len(some)) != top))
+        return np.asarray(self.points[some[tops[np.argsort(-gains[tops], kind="stable")][:FEW]]])
+
     def best_name(self, kind: str) -> tuple[str, float]:
         """The best of the places that have names, and its evidence [nats]; empty where there is none."""
         names = [name for name in self.structure.nominal.places if position(name) is None]
@@ -528,6 +569,41 @@ def elsewhere(data: Study, rest: Candidate, there: Candidate) -> tuple[tuple[Stu
             found.setdefault(place, (Added(named=again), looked))
     ready = data.ready_at([*found], anew=False) if found else data
     return tuple((ready, *one) for one in found.values())
+
+
+def with_twins(data: Study, at: Candidate, steps: Sequence[SearchStep]) -> tuple[Study, Candidate, tuple[SearchStep, ...]]:
+    """`at`, and a step of each of its masses and springs at a node without a name of which another node explains these data as
+    well: the other side of what is symmetric. The study is ready for all of them.
+    """
+    last, more = {one.added: one for one in steps}, list[SearchStep]()
+    for one in at.effects:
+        kind, step = ":".join((one.named.family, *one.named.targets[1:])), last.get(one.named.id)
+        others = tuple(each for each in at.effects if each.named.id != one.named.id)
+        if (
+            kind not in (MASS, *SPRINGS)
+            or position(one.named.target) is None
+            or step is None
+            or len(step.at.effects) != len(others)
+        ):
+            continue
+        there, rest = replace(at, effects=(*others, one)), replace(step.at, effects=others)
+        searches = MeshSearch.in_place_of(data, there, rest.fit.cost - at.fit.cost)
+        places = [at_position(point) for search in searches for point in search.twins(kind, one.named)]
+        if not places:
+            continue
+        try:
+            ready = data.ready_at([one.named.target, *places])
+            here = candidate_fit(rest, over(ready, data, there))
+        except CheckFailed:  # over their coordinates the model breaks down
+            continue
+        twins = [replace(one, named=replace(one.named, targets=(place, *one.named.targets[1:]))) for place in places]
+        enough = here.candidate.fit.cost + INDISTINGUISHABLE_NATS
+        fits = [candidate_fit(rest, fit_in_place(ready, here.candidate, rest, twin, worth=enough)) for twin in twins]
+        if alike := [each for each in fits if each.evidence > here.evidence - INDISTINGUISHABLE_NATS]:
+            tried = tuple(ranked([here, *alike]))
+            data, at = ready, tried[0].candidate
+            more.append(replace(step, tried=tried, added=tried[0].id, reconsidered=one.named.id))
+    return data, at, tuple(more)
 
 
 def _is_worth(node: FoundNode) -> bool:

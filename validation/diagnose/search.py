@@ -9,6 +9,7 @@ goes when what is really missing is there, and a name may be right only beside t
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import inf, log, sqrt
 from types import MappingProxyType
@@ -28,7 +29,7 @@ from validation.diagnose.candidates import (
     sizes,
 )
 from validation.diagnose.diagnosis import SIGNIFICANT, Candidate, FoundNode, Screened
-from validation.diagnose.landmark_search import DistantView, LandmarkFit
+from validation.diagnose.landmark_search import DistantView, FromAfar
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, STRUCTURE, evidence_threshold, position
 from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, SINGLE_PLACES, STRIDE, child, nearby, start
@@ -237,8 +238,9 @@ def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: 
     asked = [one for one in menu if FAMILIES[one.named.family].side == STRUCTURE and can_restart(one)]
     progress("looking from afar for what keeps the model from converging", 0.0)
     view = DistantView(marks=() if data.made else Landmark.of_tests(data.predictions))
+    nearest: list[tuple[float, Added, dict[str, float]]]
     if view.marks and view.far:
-        nearest = [_begun_at(data, at, one) for one in view.nearest(asked, FITS_OF_A_STEP)]
+        nearest = [(0.5 * one.chi2, one.effects[0], {}) for one in view.nearest(asked, FITS_OF_A_STEP)]
     else:
         nearest = _nearest_by_lines(data, at, asked)
     tried, least = list[CandidateFit](), inf
@@ -257,15 +259,8 @@ def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: 
     return SearchStep(at=at, goodness=here, screened=screen(data, at, menu), tried=tuple(tried), added=best)
 
 
-def _begun_at(data: Study, at: Candidate, found: LandmarkFit) -> tuple[float, Added, dict[str, float]]:
-    """Cost, effect and offsets at which the fit of an effect begins that landmarks have found."""
-    (added,) = found.effects
-    free = (data.problem((*at.effects, added)).by_name[name(added.named, size.key)] for size in added.named.fitted_sizes)
-    return 0.5 * found.chi2, added, {one.name: one.offset(added.named.value) for one in free}
-
-
 def _nearest_by_lines(data: Study, at: Candidate, asked: Sequence[Added]) -> list[tuple[float, Added, dict[str, float]]]:
-    """The same of the effects that come nearest along few lines over a coarse floor, the best first."""
+    """Cost, effect and offsets of those that come nearest along few lines over a coarse floor, the best first."""
     nearest: list[tuple[float, Added, dict[str, float]]] = []
     without = child(at.problem.sparser(STRIDE), PLAIN, at.fit, _declared(at.problem, at.fit), floor=COARSE[0])
     for added in asked:
@@ -352,6 +347,16 @@ class SearchStep:
             and one.evidence >= best.evidence - INDISTINGUISHABLE_NATS
             and (one.goodness.null or not best.goodness.null)
         )
+
+    @property
+    def evidence(self) -> float:
+        """[nats] of what was added, against a fit without it that goes to its end where it was given up on the way."""
+        rest, brought = self.at, self.tried[0].evidence
+        with suppress(CheckFailed):
+            if not rest.fit.converged:
+                whole = nearby(rest.problem, FITTED, rest.fit.by_name)
+                brought -= max(whole.log_evidence - rest.fit.log_evidence, 0.0)
+        return brought
 
     def same_as(self, id: str) -> tuple[str, ...]:
         """Ids that explain these data to the last digit as `id` does, which is then one name for all of them."""
@@ -490,7 +495,7 @@ def backward_elimination(
             tried = [there, *(() if moved is there else (moved,))]
             for one in near[:FITS_OF_A_STEP]:
                 again = _at_sizes(one.added, added)
-                rival = candidate_fit(rest, _fit_in_place(data, at, rest, again, worth=worth(rest, tried)))
+                rival = candidate_fit(rest, fit_in_place(data, at, rest, again, worth=worth(rest, tried)))
                 if in_band(data, rival) and (is_accepted(rival) or rival.evidence <= evidence):
                     tried.append(rival)
             tried = ranked(tried)
@@ -513,12 +518,15 @@ def _moved(data: Study, rest: Candidate, there: CandidateFit, elsewhere: Elsewhe
         if not found:
             break
         ready = found[0][0]  # all are held against each other over the same coordinates
-        rest, here = (_over(ready, data, one) for one in (rest, end.candidate))
+        try:
+            rest, here = (over(ready, data, one) for one in (rest, end.candidate))
+        except CheckFailed:  # over more coordinates the model breaks down wherever it begins
+            break
         brought = candidate_fit(rest, here).evidence
         fits = []
         for _, added, cost in found:
             enough = rest.fit.cost - brought - cost
-            fits.append((candidate_fit(rest, _fit_in_place(ready, here, rest, added, worth=enough)), cost))
+            fits.append((candidate_fit(rest, fit_in_place(ready, here, rest, added, worth=enough)), cost))
         ends = [(one.evidence - cost - brought, one) for one, cost in fits if is_accepted(one)]
         gained, best = max(ends, key=lambda one: one[0], default=(0.0, end))
         if gained <= SAME_NATS:
@@ -527,7 +535,7 @@ def _moved(data: Study, rest: Candidate, there: CandidateFit, elsewhere: Elsewhe
     return data, end
 
 
-def _over(ready: Study, data: Study, of: Candidate) -> Candidate:
+def over(ready: Study, data: Study, of: Candidate) -> Candidate:
     """`of` the study `data`, fitted from where it stands over what coordinates `ready` has more."""
     if ready is data:
         return of
@@ -539,7 +547,7 @@ def _over(ready: Study, data: Study, of: Candidate) -> Candidate:
     return recentred(ready, replace(of, fit=fit, problem=problem))
 
 
-def _fit_in_place(data: Study, at: Candidate, rest: Candidate, added: Added, *, worth: float = inf) -> Candidate:
+def fit_in_place(data: Study, at: Candidate, rest: Candidate, added: Added, *, worth: float = inf) -> Candidate:
     """`rest` with the effect `added` as well, from where `at` ended with another in its place; `worth` as in `fit_with`."""
     effects = (*rest.effects, added)
     problem = data.problem(effects)
@@ -653,7 +661,7 @@ def stepwise_search(
                 others = (other for other in one.tried if other is not each)
                 led = [*rounds[:-1], replace(one, tried=(each, *others), added=each.id)]
                 ready, end, asked = backward_elimination(data, each.candidate, led, progress, elsewhere, by_name=False)
-                ends.append((end.fit.log_evidence - _over(ready, data, at).fit.log_evidence, led, ready, end, asked))
+                ends.append((end.fit.log_evidence - over(ready, data, at).fit.log_evidence, led, ready, end, asked))
             _, led, data, found, asked = max(ends, key=lambda one: one[0])
             rounds = [*led, *asked]
         if goodness_of_fit(found.fit, found.problem).largest >= ABSURD:
@@ -664,15 +672,46 @@ def stepwise_search(
         rounds += asked
         if not null and explained < GOOD_PART * one.goodness.excess(one.at.fit):
             break  # nothing known is most of what is wrong: the rest would be named one by one, and none of it is there
+    return *_finished(data, at), tuple(rounds)
+
+
+def _finished(data: Study, at: Candidate) -> tuple[Study, Candidate]:
+    """`at` fitted to its end, since it may be a trial, over the coordinates of the places that it has, and its study."""
     places = [one.named.target for one in at.effects if one.named.targets and position(one.named.target) is not None]
-    moved = bool({*places} - {*data.model.looked_at})
-    if moved:
-        data = data.ready_at(places)
-        at = replace(at, problem=data.problem(at.effects))
-    if at.effects:  # its fit may be a trial
-        whole = nearby(at.problem, FITTED, at.fit.by_name)
-        at = recentred(data, replace(at, fit=whole)) if moved or whole.cost <= at.fit.cost + SAME_NATS else at
-    return data, at, tuple(rounds)
+    with suppress(CheckFailed):  # over other coordinates a model may break down where it stands: then it stays as it is
+        if {*places} - {*data.model.looked_at}:
+            ready = data.ready_at(places)
+            at, data = over(ready, data, at), ready
+        if at.effects:
+            whole = nearby(at.problem, FITTED, at.fit.by_name)
+            at = recentred(data, replace(at, fit=whole)) if whole.cost <= at.fit.cost + SAME_NATS else at
+    return data, at
+
+
+def placed_from_afar(
+    data: Study, afar: FromAfar, menu: Sequence[Added], progress: Progress, elsewhere: Elsewhere
+) -> tuple[Study, Candidate, tuple[SearchStep, ...]] | None:
+    """What was found from afar, beside each other at the nodes of a mesh and under the names that are best; None unless nothing
+    more need be missing then, or if nothing was without.
+
+    From afar only places that have names are looked at.
+    """
+    problem = data.problem(afar.best.effects)
+    start = Candidate(effects=afar.best.effects, fit=nearby(problem, FITTED, problem.start), problem=problem)
+    if goodness_of_fit(start.fit, problem).null:
+        return None
+    start, rounds = recentred(data, start), list[SearchStep]()
+    for one in start.effects:
+        left = tuple(each for each in start.effects if each is not one)
+        problem = data.problem(left)
+        rest = recentred(data, Candidate(effects=left, fit=nearby(problem, FITTED, start.fit.by_name), problem=problem))
+        others = [each for each in menu if each.named.id in afar.alike[one.named.id][1:]]
+        ends = [replace(start, effects=(*left, one)), *(fit_in_place(data, start, rest, each) for each in others)]
+        stands, tried = goodness_of_fit(rest.fit, problem), ranked([candidate_fit(rest, each) for each in ends])
+        rounds.append(SearchStep(at=rest, goodness=stands, screened=(), tried=tuple(tried), added=one.named.id))
+    data, at, asked = backward_elimination(data, start, rounds, progress, elsewhere)
+    data, at = _finished(data, at)
+    return (data, at, (*rounds, *asked)) if goodness_of_fit(at.fit, at.problem).null else None
 
 
 def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress, fitted: Sequence[FoundNode] = ()) -> SearchStep:
@@ -693,7 +732,7 @@ def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress,
         for one in rivals:
             rival = candidate_fit(at, fit_with(data, at, one, worth=worth(at, tried)))
             if rival.evidence < KEPT_SHARE * tried[0].evidence:
-                there = candidate_fit(at, _fit_in_place(data, tried[0].candidate, at, one, worth=worth(at, tried)))
+                there = candidate_fit(at, fit_in_place(data, tried[0].candidate, at, one, worth=worth(at, tried)))
                 rival = max(rival, there, key=lambda each: each.evidence)
             more.append(rival)
         may = [one for one in more if in_band(data, one) and (is_accepted(one) or one.evidence <= tried[0].evidence)]

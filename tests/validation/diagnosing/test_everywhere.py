@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.linalg import eigh
 
 from fem.damping import Damping
 from fem.structure import Structure, place_rows
@@ -15,9 +16,13 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from validation.diagnose import candidates, search
 from validation.diagnose.diagnose import diagnosed
-from validation.diagnose.everywhere import MeshSearch, found_nodes, without_a_name
+from validation.diagnose.diagnosis import Candidate
+from validation.diagnose.everywhere import MeshSearch, elsewhere, found_nodes, with_twins, without_a_name
+from validation.diagnose.landmark_search import FromAfar
 from validation.effects.catalogue import Named, parse
 from validation.effects.effect import Vocabulary, at_position, position
+from validation.estimation.fit import nearby
+from validation.estimation.problem import FITTED
 from validation.history.add import names_of
 from validation.model.model import Added
 from validation.prediction import dynamic_mass, structure_tests
@@ -207,3 +212,86 @@ def test_a_point_where_the_model_has_a_name_is_that_place(study):
     assert [one.place for one in found.responses] == [one.place for one in test.responses]
     away = [replace(strange[0], position=(0.0, 0.0, 0.2399)), *strange[1:]]
     assert structure_tests.named(structure, replace(test, responses=tuple(away))).responses[0].place == "node 9"
+
+
+def tabled(model: Path, fine: Path, text: str, sensors: str, softer: float = 0.0) -> Study:
+    """Twelve modes of the mesh of `fine` as a table, the lintel `softer` by that share and with the effect `text` in it."""
+    structure, named = reading.read(fine), parse(text, ANYWHERE)
+    assert isinstance(structure, Structure)
+    rows = place_rows(structure, np.array(position(named.target)))[0]
+    K, M = structure.stiffness - softer * structure.part_stiffness["lintel"], structure.mass
+    if named.family == "point-mass":
+        M = M + named.value * rows.T @ rows
+    else:
+        along = rows[["xyz".index(named.targets[1])]]
+        K = K + named.value * along.T @ along
+    squares, shapes = eigh(K.toarray(), M.toarray(), subset_by_index=(0, 11))
+    seen = np.array(
+        [
+            (structure.places[place].tocsr()[["xyz".index(axis)]] @ shapes)[0]
+            for place, _, axis in (one.partition(":") for one in sensors.split())
+        ]
+    )
+    f = np.sqrt(squares) / (2 * np.pi) * (1 + 1e-3 * np.random.default_rng(5).standard_normal(12))
+    table = f"frequencies = {[f'{x:.5f} +/- {1e-3 * x:.5f} Hz' for x in f]}\nshapes = {seen.T.round(5).tolist()}\n"
+    head = f'format = 1\nkind = "modal-table"\narticle = "portal"\nsensors = {sensors.split()}\nshapes_deviation = 0.02\n'
+    (model.parent / "table.toml").write_text((head + table).replace("'", '"'))
+    return Study.open(model, [model.parent / "table.toml"])
+
+
+def quiet(what: str, share: float) -> None:
+    """Hears nothing."""
+
+
+def test_beside_another_effect_a_spring_far_off_is_found_at_a_node_without_a_name(portal, tmp_path):
+    """From afar places with names alone are looked at. The truth is another mesh, solved whole."""
+    hidden = f"cable:{at_position(HIDDEN)}:z"
+    study = tabled(
+        portal(tmp_path, 10), portal(tmp_path / "fine", 30), f"{hidden}=3e5", "a:x a:y b:x b:y c:x c:y c:z", softer=0.35
+    )
+    menu = candidates.candidates(study, only=["cable", "modulus"])
+    afar = FromAfar.search(study, menu, quiet)
+    assert afar is not None
+    found = search.placed_from_afar(study, afar, menu, quiet, elsewhere)
+    assert found is not None
+    spring, softened = sorted((one.named for one in found[1].effects), key=lambda one: one.family)
+    assert softened.id == "modulus:lintel"
+    assert abs(softened.value + 0.35) < 0.05
+    assert np.linalg.norm(np.array(position(spring.target)) - HIDDEN) < 0.04
+    assert spring.targets[1] == "z"
+
+
+@pytest.mark.parametrize(("sensors", "alike"), [("c:y c:z", True), ("c:x c:y c:z", False)])
+def test_a_mass_at_a_node_and_at_its_mirror_image_is_one_name_where_no_sensor_parts_them(portal, tmp_path, sensors, alike):
+    study = tabled(portal(tmp_path, 10), portal(tmp_path / "fine", 30), f"point-mass:{at_position(HIDDEN)}=0.03", sensors)
+    ready = study.ready_at([at_position(HIDDEN)])
+    base = candidates.baseline(ready)
+    at = search.fit_with(ready, base, Added(named=parse(f"point-mass:{at_position(HIDDEN)}=0.02", ANYWHERE)))
+    brought = search.candidate_fit(base, at)
+    step = search.SearchStep(at=base, goodness=brought.goodness, screened=(), tried=(brought,), added=brought.id)
+    data, end, more = with_twins(ready, at, [step])
+    mirror = f"point-mass:{at_position((0.3 - HIDDEN[0], 0.0, HIDDEN[2]))}"
+    assert [one.same_as(brought.id) for one in more] == ([(mirror,)] if alike else [])
+    assert data.problem(end.effects).parameters
+    assert (mirror.partition(":")[2] in data.model.looked_at) == alike
+
+
+def test_what_an_effect_brings_beside_another_is_told_against_a_fit_that_was_not_given_up(portal, tmp_path):
+    """The fit without it is left on the way where it cannot be as good: what it had not gained by then counted for the effect."""
+    place, sensors = at_position(HIDDEN), "a:x a:y b:x b:y c:x c:y c:z"
+    study = tabled(portal(tmp_path, 10), portal(tmp_path / "fine", 30), f"point-mass:{place}=0.3", sensors, softer=0.35)
+    ready = study.ready_at([place])
+    (softer,) = candidates.candidates(ready, only=["modulus:lintel"])
+    both = (
+        replace(softer, named=replace(softer.named, values={"": -0.35})),
+        Added(named=parse(f"point-mass:{place}=0.3", ANYWHERE)),
+    )
+    problem, left = ready.problem(both), ready.problem(both[:1])
+    whole = nearby(problem, FITTED, problem.start)
+    given_up, ended = (nearby(left, FITTED, whole.by_name, worth=worth) for worth in (whole.cost + 20.0, np.inf))
+    rest = Candidate(effects=both[:1], fit=given_up, problem=left)
+    there = search.candidate_fit(rest, Candidate(effects=both, fit=whole, problem=problem))
+    step = search.SearchStep(at=rest, goodness=there.goodness, screened=(), tried=(there,), added=there.id)
+    assert (given_up.converged, ended.cost < given_up.cost - 10.0) == (False, True)
+    assert step.evidence == pytest.approx(whole.log_evidence - ended.log_evidence, abs=0.5)
+    assert there.evidence > step.evidence + 10.0

@@ -265,7 +265,7 @@ def test_a_rival_that_keeps_less_than_half_of_the_best_is_fitted_from_where_that
     monkeypatch.setattr(search, "is_significant", lambda of: True)
     monkeypatch.setattr(search, "_rivals", lambda tried, menu, found, *, again: [rival])
     monkeypatch.setattr(search, "fit_with", lambda bench, at, added, **_: straight)
-    monkeypatch.setattr(search, "_fit_in_place", lambda bench, best, at, added, **_: again)
+    monkeypatch.setattr(search, "fit_in_place", lambda bench, best, at, added, **_: again)
     monkeypatch.setattr(search, "candidate_fit", lambda at, evidence: ended(MASSES[1], evidence))
     step = search._step(HERE, HERE, [rival], lambda what, share: None)
     assert [(one.id, one.evidence) for one in step.tried] == [(best.id, 100.0), (rival.named.id, kept)]
@@ -332,7 +332,7 @@ def asked(
 
     monkeypatch.setattr(search, "nearby", lambda problem, free, offsets, **_: None)
     monkeypatch.setattr(search, "recentred", without)
-    monkeypatch.setattr(search, "_fit_in_place", instead)
+    monkeypatch.setattr(search, "fit_in_place", instead)
     monkeypatch.setattr(search, "is_significant", lambda of: True)
     monkeypatch.setattr(search, "in_band", lambda bench, one: one.id != GONE)
     monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: STANDS)
@@ -724,6 +724,23 @@ def test_one_tolerance_alone_refuses_and_everything_that_refuses_is_said(noisy):
     assert not found.null
 
 
+def test_what_breaks_down_over_more_coordinates_wherever_it_begins_stays_where_it_is(monkeypatch):
+    """It had ended the diagnosis: on the mesh, and at the end of a search."""
+
+    def breaks(problem, free, offsets, **_):
+        raise CheckFailed("the model breaks down")
+
+    ready = SimpleNamespace(problem=lambda effects: None)
+    bench: Any = SimpleNamespace(model=SimpleNamespace(looked_at=()), ready_at=lambda places: ready, problem=lambda effects: None)
+    at = hypothesis("point-mass:mast-top", evidence=10.0)
+    at = replace(at, effects=tuple(replace(one, named=replace(one.named, targets=("@0,0,1",))) for one in at.effects))
+    monkeypatch.setattr(search, "nearby", breaks)
+    monkeypatch.setattr(search, "_declared", lambda problem, fit: {})
+    assert search._finished(bench, at) == (bench, at)
+    there = search.CandidateFit(id=at.effects[0].named.id, candidate=at, evidence=10.0, goodness=STANDS)
+    assert search._moved(bench, ALONE, there, lambda *_: ((ready, at.effects[0], 0.0),)) == (bench, there)
+
+
 def test_what_breaks_down_over_more_coordinates_begins_there_where_tolerances_are_declared(monkeypatch):
     """A plate with a spring ended in a traceback: its tolerances stood where coordinates that are new keep no stiffness."""
     begun: list[object] = []
@@ -739,6 +756,6 @@ def test_what_breaks_down_over_more_coordinates_begins_there_where_tolerances_ar
     monkeypatch.setattr(search, "recentred", lambda data, of: of)
     far = Candidate(effects=(), fit=SimpleNamespace(by_name={"far": 9.0}), problem=None)
     wider = SimpleNamespace(problem=lambda effects: "over more")
-    assert search._over(wider, SimpleNamespace(), far).fit == "a fit"
+    assert search.over(wider, SimpleNamespace(), far).fit == "a fit"
     assert begun == [{"far": 9.0}, {"home": 0.0}]
-    assert search._over(wider, wider, far) is far
+    assert search.over(wider, wider, far) is far
