@@ -16,6 +16,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 import numpy.typing as npt
 
+from geometry import cache
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose, frozen
@@ -79,6 +80,12 @@ class Recording:
     def rms(self) -> Array:
         """(b, c) of every channel in consecutive blocks of `BLOCK` seconds, about the mean of each; of time histories."""
         return block_rms(self.values, self.sampling_rate or 0.0)
+
+    @cached_property
+    def digest(self) -> str:
+        """Of what was recorded, hexadecimal: channels, samples and where they lie."""
+        axis = np.array(self.sampling_rate) if self.frequency is None else self.frequency
+        return cache.digest({"names": np.array(self.names), "values": self.values, "axis": axis})
 
     @property
     def is_spectrum(self) -> bool:

@@ -146,10 +146,7 @@ def diagnosed_once(
     def made() -> diagnosis.Diagnosis:
         return diagnosed(study, only=only, leave_out=leave_out, progress=progress)
 
-    records = [
-        [(name, one.names, one.values, one.sampling_rate, one.frequency) for name, one in each.recordings.items()]
-        for each in study.campaigns
-    ]
+    records = [[(name, one.digest) for name, one in each.recordings.items()] for each in study.campaigns]
     described = [
         replace(each, recordings={}, date="", place="", operator="", serial_number="", instruments=()) for each in study.campaigns
     ]

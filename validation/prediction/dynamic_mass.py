@@ -89,13 +89,55 @@ def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> CondensedTrans
     numpy.linalg.LinAlgError : a line lies on an undamped mode.
     """
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
-    b = matrices.base
-    D = dynamic_matrix(matrices, 2 * np.pi * lines)
-    answer = -np.linalg.solve(D[:, b:, b:], D[:, b:, :b])
-    H = D[:, :b, :b] + D[:, :b, b:] @ answer
-    moved = np.broadcast_to(np.eye(b, dtype=np.complex128), (len(lines), b, b))
-    T = _by_coordinate(np.concatenate([moved, answer], axis=1))
-    return CondensedTransfer(frequency=lines, matrix=H, left=T, right=T, sign=1.0)
+    b, k, omega = matrices.base, len(matrices.mass), 2 * np.pi * lines
+    far, follow = far_coordinates(matrices, omega)
+    near = np.delete(np.arange(k), far)
+    D = dynamic_matrix(matrices, omega, near)
+    if len(far):
+        D = D[:, :, near] + D[:, :, far] @ follow
+    moved = np.empty((len(lines), len(near), b), dtype=np.complex128)
+    moved[:, :b] = np.eye(b)
+    moved[:, b:] = -np.linalg.solve(D[:, b:, b:], D[:, b:, :b])
+    T = np.empty((k, len(lines), b), dtype=np.complex128)
+    T[near], T[far] = moved.transpose(1, 0, 2), (follow @ moved).transpose(1, 0, 2)
+    return CondensedTransfer(frequency=lines, matrix=D[:, :b] @ moved, left=T, right=T, sign=1.0)
+
+
+FAR = 2.0
+"""[1] times the highest line above which a coordinate has no resonance near the band. Held by
+tests/validation/prediction/test_matrices.py."""
+
+NODES = 16
+"""[count] of frequencies at which far coordinates are solved: a resonance at `FAR` times the end of a band from zero leaves
+5.8^-16, 6e-13, of an answer. By that bound, and held by tests/validation/prediction/test_matrices.py."""
+
+AGREES = 1e-11
+"""[share] of the largest answer to which the polynomials agree at the end of the band that is nearest to the poles; where they do
+not, all coordinates are solved at every line. Held by tests/validation/prediction/test_matrices.py."""
+
+
+def far_coordinates(matrices: Matrices, omega: Array) -> tuple[Integers, ComplexArray]:
+    """(f,) coordinates that follow the others without a resonance near the band, and (n, f, k - f) how at `omega` (n,) [rad/s].
+
+    Held by all others they are analytic in omega, -D_ff^-1 D_fr, but for their resonances far above: polynomials through
+    Chebyshev's points converge as fast as those lie beyond the band (L. N. Trefethen, Approximation Theory and Approximation
+    Practice, 2013, theorem 8.2). None where few lines are asked, or where the polynomials do not agree.
+    """
+    b, k, low, high = matrices.base, len(matrices.mass), omega.min(), omega.max()
+    far = b + np.flatnonzero(np.diag(matrices.stiffness)[b:] > (FAR * high) ** 2 * np.diag(matrices.mass)[b:])
+    none = far[:0], np.zeros((len(omega), 0, k), dtype=np.complex128)
+    if len(omega) < 3 * NODES or not len(far) or not low < high:
+        return none
+    order, angle = np.arange(NODES), np.pi * (np.arange(NODES) + 0.5) / NODES
+    near, nodes = np.delete(np.arange(k), far), (low + high) / 2 + (high - low) / 2 * np.cos(angle)
+    D = dynamic_matrix(matrices, np.append(nodes, high), far)
+    solved = -np.linalg.solve(D[:, :, far], D[:, :, near])
+    chebyshev = np.polynomial.chebyshev.chebvander((2 * omega - low - high) / (high - low), NODES - 1)
+    share = chebyshev @ (np.where(order > 0, 2.0, 1.0)[:, None] * np.cos(np.outer(order, angle)) / NODES)
+    found = (share @ solved[:-1].reshape(NODES, -1).view(np.float64)).view(np.complex128).reshape(len(omega), *solved.shape[1:])
+    if not np.abs(found[np.argmax(omega)] - solved[-1]).max(initial=0.0) <= AGREES * np.abs(solved).max():
+        return none
+    return far, found
 
 
 def turning(frequency: Array, decay_rate: float | Array) -> npt.NDArray[Any]:
@@ -283,11 +325,11 @@ def _product(left: ComplexArray, matrix: Array, right: ComplexArray, crossing: i
     return np.asarray(left.transpose(1, 2, 0) @ pulled.transpose(1, 0, 2))
 
 
-def dynamic_matrix(matrices: Matrices, at: npt.NDArray[Any]) -> ComplexArray:
-    """D (n, k, k) at s / i (n,) [rad/s]."""
+def dynamic_matrix(matrices: Matrices, at: npt.NDArray[Any], rows: slice | Integers = slice(None)) -> ComplexArray:
+    """D (n, k, k) at s / i (n,) [rad/s], or these `rows` of it."""
     share = np.stack([np.ones_like(at), -1 / at**2, -1j / at, -1j / at**2], axis=1)
-    fields = np.stack([matrices.mass, matrices.stiffness, matrices.viscous, matrices.structural])
-    return np.asarray(share @ fields.reshape(4, -1), dtype=np.complex128).reshape(-1, *matrices.mass.shape)
+    fields = np.stack([getattr(matrices, name)[rows] for name in FIELDS])
+    return np.asarray(share @ fields.reshape(4, -1), dtype=np.complex128).reshape(-1, *fields.shape[1:])
 
 
 # How strongly a run was driven, for what depends on it: friction, gaps, saturation, and how fast a sweep passed.

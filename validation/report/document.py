@@ -401,7 +401,7 @@ def _script(name: str, packed: str) -> str:
     return f'<script type="text/plain" id="{name}">{packed}</script>\n'
 
 
-def _packed(text: str, effort: int = 6) -> str:
+def _packed(text: str, effort: int = 3) -> str:
     """`text`, compressed with an `effort` of 1 to 9, in letters that any page may hold."""
     return b64encode(compress(text.encode("utf-8"), effort, mtime=0)).decode("ascii")
 

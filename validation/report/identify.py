@@ -15,7 +15,7 @@ from geometry.dynamic_mass import MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, Pose
 from geometry.inertia import PARAMETERS, judge
-from identification import free_body, request
+from identification import campaign_file, free_body, request
 from identification.campaign import Campaign
 from identification.elastic.model import dynamic_mass
 from identification.quality import NORMAL_95, impossible
@@ -446,8 +446,11 @@ def campaign_part(
     typed += [] if band is None else ["--band", *(f"{end:g}" for end in band)]
     found: IdentificationFindings | None = None
     try:
-        used = [one.recordings for one in series if one.source in (asked.campaign, *asked.tares)]
-        of = cache.content([asked.campaign, *asked.tares]), used  # records at hand may be older than the folder is now
+        # The records at hand, which may be older than the folder is now, and what is read in it
+        folders = (asked.campaign, *asked.tares)
+        used = [each.recordings.items() for each in series if each.source in folders]
+        runs = [[(name, one.digest, one.source, one.warnings) for name, one in each] for each in used]
+        of = cache.content(Path(folder) / campaign_file.NAME for folder in folders), runs
         found = cache.answer(lambda: _without_records(identify.identified(asked, at_hand=series)), "identification", asked, of)
     except (BadInput, CheckFailed) as error:
         missing.append(f"No inertia was identified: {error}")

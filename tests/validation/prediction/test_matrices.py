@@ -254,6 +254,34 @@ def test_the_dynamic_mass_is_symmetric_and_solves_the_equations_of_motion():
         np.testing.assert_allclose(loads[6:], 0, atol=1e-9 * np.abs(answered.matrix).max())
 
 
+@pytest.mark.parametrize("article", ["cuboid", "clumod-1", "clumod-4"])
+def test_what_is_far_above_the_band_is_solved_at_few_lines_and_answers_at_all_of_them_as_if_at_each(article, monkeypatch):
+    m = made(article, LOSSES)
+    m = replace(m, viscous=1e-3 * m.structural)
+    lines = np.linspace(4.0, 32.0, 5 * dynamic_mass.NODES)
+    each = [dynamic_mass.dynamic_mass(m, [line]) for line in lines]  # of one line all is solved
+    found = dynamic_mass.dynamic_mass(m, lines)
+    for name, axis in (("matrix", 0), ("right", 1)):
+        known = np.concatenate([getattr(one, name) for one in each], axis=axis)
+        np.testing.assert_allclose(getattr(found, name), known, rtol=0, atol=1e-11 * np.abs(known).max())
+    far, _ = dynamic_mass.far_coordinates(m, 2 * np.pi * lines)
+    assert len(far) > len(m.mass) / 2
+    asked, whole = [], dynamic_mass.dynamic_matrix
+    monkeypatch.setattr(dynamic_mass, "dynamic_matrix", lambda of, at, rows: asked.append((at, rows)) or whole(of, at, rows))
+    dynamic_mass.dynamic_mass(m, lines)
+    assert sum(len(at) for at, rows in asked if set(far) & set(rows)) == dynamic_mass.NODES + 1
+
+
+def test_coordinates_whose_coupling_brings_them_into_the_band_are_solved_at_every_line():
+    K = (2 * np.pi * 70) ** 2 * np.array([[0, 0, 0], [0, 1, 0.9], [0, 0.9, 1.0]])  # each by itself at 70 Hz, one of both at 22
+    M = np.array([[1.0, 0.1, 0.2], [0.1, 1, 0], [0.2, 0, 1]])
+    m = Matrices(base=1, mass=M, stiffness=K, viscous=0 * K, structural=0.02 * K, places={})
+    lines = np.linspace(4.0, 32.0, 5 * dynamic_mass.NODES)
+    assert not len(dynamic_mass.far_coordinates(m, 2 * np.pi * lines)[0])
+    known = [dynamic_mass.dynamic_mass(m, [line]).matrix[0] for line in lines]
+    np.testing.assert_allclose(dynamic_mass.dynamic_mass(m, lines).matrix, known, rtol=1e-12)
+
+
 def test_an_accelerance_is_reciprocal_and_of_one_mass_on_one_spring_the_textbook():
     m = drawn(base=0)
     one, other = (dynamic_mass.along(m, "tip", axis) for axis in ([1.0, 0, 0], [0, 0, 1.0]))

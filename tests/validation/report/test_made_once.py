@@ -77,6 +77,19 @@ def test_records_that_were_read_before_their_folder_changed_answer_for_themselve
     assert len(counted) == 2
 
 
+def test_to_look_up_what_was_identified_no_record_is_read_or_told_again(report, tmp_path, monkeypatch):
+    monkeypatch.setenv("MASSLINE_CACHE", str(tmp_path))
+    campaign, content, read, told = report.campaigns[0].campaign, identify.cache.content, [], []
+    monkeypatch.setattr(identify, "sensor_map", lambda *given: None)
+    monkeypatch.setattr(identify.cache, "content", lambda paths: content(read.append(path) or path for path in paths))
+    monkeypatch.setattr(identify.cache, "digest", lambda arrays, of=identify.cache.digest: told.extend(arrays) or of(arrays))
+    monkeypatch.setattr(identify.identify, "identified", lambda *given, **how: report.campaigns[0].findings)
+    for _ in range(2):
+        identify.campaign_part(campaign, [campaign], report.model, None, "full-record")
+    assert {path.name for path in read if path.suffix != ".py"} <= {"campaign.toml"}
+    assert told.count("values") <= len(campaign.recordings)
+
+
 def test_campaigns_that_are_read_already_are_not_read_again_to_identify(report, monkeypatch):
     campaign, read = report.campaigns[0].campaign, []
     monkeypatch.setattr(identify.identify.campaign_file, "read", lambda folder, **how: read.append(folder) or campaign)
