@@ -1,5 +1,7 @@
 """What every test may ask for: the repository, the folder of real measured data, the command line as users run it, a renderer."""
 
+import gc
+import json
 import os
 import signal
 import subprocess
@@ -15,6 +17,10 @@ settings.register_profile("massline", derandomize=True, deadline=None, database=
 settings.load_profile("massline")
 
 ROOT = Path(__file__).parents[1]
+
+RUBBISH = (50_000, 20, 100)
+"""Objects, collections and collections of those after which rubbish is looked for: with the libraries, thousands of tests and what
+they share on the heap, Python's own 700, 10 and 10 spend up to a third of the suite's processor time on looking."""
 
 
 @pytest.fixture(scope="session")
@@ -65,12 +71,39 @@ def code(root: Path) -> Path:
 @pytest.fixture(scope="session")
 def massline() -> Callable[..., subprocess.CompletedProcess[str]]:
     """``massline(*arguments, cwd=folder)``: the command line in a process of its own; keywords go to `subprocess.run`."""
-    entry = (sys.executable, "-P", "-c", "from validation.cli.main import main; main()")
+    entry = (sys.executable, "-P", "-c", COMMAND)
 
     def run(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
         return subprocess.run([*entry, *arguments], capture_output=True, encoding="utf-8", check=False, **options)
 
     return run
+
+
+COMMAND = "from validation.cli.main import main; main()"
+
+
+@pytest.fixture(scope="session")
+def apart(code: Path) -> Iterator[Callable[..., subprocess.CompletedProcess[str]]]:
+    """``apart(program, *arguments, cwd=folder)``: a program in a process of its own, the command line by default, with the
+    libraries already imported there (`apart.py`): that takes longer than most of what is asked. Keywords: `env` and `input`."""
+    command = [sys.executable, "-P", str(Path(__file__).with_name("apart.py"))]
+    environment = {**os.environ, "PYTHONPATH": str(code)}
+    with subprocess.Popen(command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8") as server:
+        assert server.stdin is not None
+        assert server.stdout is not None
+
+        def run(
+            *arguments: str, program: str = COMMAND, cwd: Path | None = None, env: dict[str, str] | None = None, input: str = ""
+        ) -> subprocess.CompletedProcess[str]:
+            where, around = str(cwd or Path.cwd()), env or dict(os.environ)
+            asked = {"program": program, "arguments": arguments, "cwd": where, "env": around, "input": input}
+            server.stdin.write(json.dumps(asked) + "\n")
+            server.stdin.flush()
+            done = json.loads(server.stdout.readline())
+            return subprocess.CompletedProcess(arguments, done["code"], done["out"], done["err"])
+
+        yield run
+        server.stdin.close()
 
 
 @pytest.fixture(scope="session")
@@ -138,6 +171,15 @@ def pytest_runtest_makereport(item: pytest.Item) -> Iterator[None]:
         report.outcome = "failed"
         report.longrepr = f"{item.nodeid}: nothing is skipped where CI is set, but {report.longrepr[2]}"
     return report
+
+
+def pytest_configure() -> None:
+    gc.set_threshold(*RUBBISH)
+
+
+def pytest_collection_finish() -> None:
+    """What was collected stays to the end: no use in looking through it for rubbish."""
+    gc.freeze()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -22,9 +22,9 @@ def families(request) -> tuple[str, ...]:
 
 
 @pytest.fixture(scope="module")
-def table(massline, families) -> dict[str, Any]:
+def table(apart, families) -> dict[str, Any]:
     """The JSON object of the table, or of its part."""
-    run = massline("verify", *families, "--json")
+    run = apart("verify", *families, "--json")
     assert run.returncode == 0, run.stdout + run.stderr
     return json.loads(run.stdout)
 
