@@ -2,9 +2,9 @@
 
     python apart.py
 
-A line of JSON on standard input is a program (`program`), its `arguments`, folder (`cwd`), environment (`env`) and standard `input`;
-the line that is answered holds how it ended (`code`, as `subprocess` says it) and what it printed (`out`, `err`). Modules are as
-they were imported, nothing of massline has run yet, and whatever a program does to them ends with it.
+A line of JSON on standard input is a program (`program`), its `arguments`, folder (`cwd`), environment (`env`) and standard
+`input`; the line that is answered holds how it ended (`code`, as `subprocess` says it) and what it printed (`out`, `err`).
+Modules are as they were imported, nothing of massline has run yet, and whatever a program does to them ends with it.
 """
 
 import atexit
@@ -16,7 +16,17 @@ import tempfile
 import traceback
 from typing import Any
 
-LIBRARIES = ("massline", "cadquery", "h5py", "igl", "manifold3d", "matplotlib.pyplot", "pinocchio", "plotly.graph_objects", "trimesh")
+LIBRARIES = (
+    "massline",
+    "cadquery",
+    "h5py",
+    "igl",
+    "manifold3d",
+    "matplotlib.pyplot",
+    "pinocchio",
+    "plotly.graph_objects",
+    "trimesh",
+)
 
 
 def main() -> None:
@@ -60,7 +70,7 @@ def ended(asked: dict[str, Any]) -> int:
     os.environ.clear()
     os.environ.update(asked["env"])
     os.chdir(asked["cwd"])
-    sys.stdin = open(0, encoding="utf-8", closefd=False)
+    sys.stdin = os.fdopen(0, encoding="utf-8", closefd=False)
     sys.argv = ["-c", *asked["arguments"]]
     code = 0
     try:

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import settings
@@ -19,8 +20,8 @@ settings.load_profile("massline")
 ROOT = Path(__file__).parents[1]
 
 RUBBISH = (50_000, 20, 100)
-"""Objects, collections and collections of those after which rubbish is looked for: with the libraries, thousands of tests and what
-they share on the heap, Python's own 700, 10 and 10 spend up to a third of the suite's processor time on looking."""
+"""Objects, collections and collections of those after which rubbish is looked for: with the libraries, thousands of tests and
+what they share on the heap, Python's own 700, 10 and 10 spend up to a third of a test's processor time on looking."""
 
 
 @pytest.fixture(scope="session")
@@ -104,6 +105,21 @@ def apart(code: Path) -> Iterator[Callable[..., subprocess.CompletedProcess[str]
 
         yield run
         server.stdin.close()
+
+
+@pytest.fixture(scope="session")
+def quick_workers() -> Iterator[None]:
+    """To the end of the session workers of a desk are forks of a process that has the libraries; elsewhere each imports them."""
+    from multiprocessing import forkserver, get_context
+
+    from validation.app import workers
+
+    context = get_context("forkserver")
+    context.set_forkserver_preload(["validation.app.workers", "massline"])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(workers, "multiprocessing", SimpleNamespace(get_context=lambda method: context))
+        yield
+    forkserver._forkserver._stop()  # and is waited for
 
 
 @pytest.fixture(scope="session")

@@ -508,7 +508,9 @@ def differing() -> Differing:
 
 
 @pytest.fixture
-def ask(root: Path, tmp_path: Path, apart: Apart, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], list[Answer]]:
+def ask(
+    root: Path, tmp_path: Path, apart: Apart, quick_workers: None, monkeypatch: pytest.MonkeyPatch
+) -> Callable[[str], list[Answer]]:
     """``ask(kind)``: the answers of today."""
     monkeypatch.chdir(tmp_path)
 
