@@ -6,9 +6,11 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -189,8 +191,44 @@ def pytest_runtest_makereport(item: pytest.Item) -> Iterator[None]:
     return report
 
 
-def pytest_configure() -> None:
+ENDS = pytest.StashKey[float]()
+LEFT_OUT = pytest.StashKey[list[str]]()
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    within = "tests begin within so many seconds; those that are left out are named"
+    parser.addoption("--within", type=float, default=float("inf"), metavar="SECONDS", help=within)
+    parser.addoption("--begin-at", type=int, default=0, metavar="N", help="begin with this test; those before it come last")
+
+
+def pytest_configure(config: pytest.Config) -> None:
     gc.set_threshold(*RUBBISH)
+    config.stash[ENDS] = time.monotonic() + config.getoption("--within")
+    config.stash[LEFT_OUT] = []
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_protocol(item: pytest.Item) -> bool | None:
+    if time.monotonic() < item.config.stash[ENDS]:
+        return None
+    item.config.stash[LEFT_OUT].append(item.nodeid)
+    return True
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    if hasattr(session.config, "workeroutput"):
+        session.config.workeroutput["left_out"] = session.config.stash[LEFT_OUT]
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any) -> None:
+    node.config.stash[LEFT_OUT] += getattr(node, "workeroutput", {}).get("left_out", [])
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    if left := config.stash[LEFT_OUT]:
+        terminalreporter.section(f"{len(left)} left out: {config.getoption('--within'):g} s were over")
+        terminalreporter.write("".join(f"{name}\n" for name in sorted(left)))
 
 
 def pytest_collection_finish() -> None:
@@ -198,6 +236,9 @@ def pytest_collection_finish() -> None:
     gc.freeze()
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Two processes share the suite: what one of them does at the end, the other waits for."""
+    begin = config.getoption("--begin-at") % max(len(items), 1)
+    items[:] = items[begin:] + items[:begin]
     items.sort(key=lambda item: item.get_closest_marker("first") is None)
