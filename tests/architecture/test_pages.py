@@ -307,11 +307,13 @@ def test_one_page_has_every_command_on_a_line() -> None:
     assert COMMANDS.keys() <= found
 
 
-def test_a_new_block_is_run_and_what_it_says_is_held_against_what_it_prints(tmp_path: Path, code: Path) -> None:
+def test_a_new_block_is_run_and_what_it_says_is_held_against_what_it_prints(
+    tmp_path: Path, apart: Callable[..., subprocess.CompletedProcess[str]]
+) -> None:
     page = tmp_path / "page.md"
     page.write_text("```python\nprint('mass', 2.0 / 3, 'kg')\nraise SystemError('run')\n```\n", encoding="utf-8")
     (block,) = blocks(page)
-    (answer,) = done(page, [{"python": block.text, "of": "page", "ends": 0}], tmp_path, code)
+    (answer,) = done(page, [{"python": block.text, "of": "page", "ends": 0}], tmp_path, apart)
     assert answer["code"] == -1
     assert "SystemError: run" in answer["printed"]
     said = [Block(language="output", text=f"{text}\n", line=1) for text in ("mass 0.667 kg", "mass 0.70 kg", "mass 0.667 g")]

@@ -302,7 +302,7 @@ def test_swings_on_the_same_ropes_share_the_tolerance_of_their_length(clumod, wr
     assert apart < 0.2 * of.covariance[0, 0]
 
 
-@pytest.mark.proof  # a diagnosis; the one below misses nothing either
+@pytest.mark.proof  # a diagnosis; a period as the model has it misses nothing either
 def test_nothing_is_named_where_tolerances_are_all_that_is_wrong(clumod, write):
     found = facts(clumod, [write({}, (0, 1, 2))])
     of = observed(found, ())
@@ -389,7 +389,7 @@ def test_ropes_at_two_radii_find_the_centre_of_gravity_beside_their_middle(swing
     assert_allclose(found.accepted[0].sizes[0].value, 0.02, rtol=0.03)  # the integration's own 8e-5 of the period is 1.6 % of e
 
 
-@pytest.mark.proof  # the two sets of ropes above hold what tells them apart
+@pytest.mark.proof  # a diagnosis; aliases of one period are told above
 def test_on_one_set_of_ropes_it_is_one_of_many(swing):
     found = only_classical(MODEL, [swing("wide", "0.3 m", off_centre="20 mm")])
     assert found.verdict == AMBIGUOUS
