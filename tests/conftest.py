@@ -71,6 +71,9 @@ def code(root: Path) -> Path:
     return Path(os.environ.get("MASSLINE_UNDER_TEST", root)).resolve()
 
 
+COMMAND = "from validation.cli.main import main; main()"
+
+
 @pytest.fixture(scope="session")
 def massline() -> Callable[..., subprocess.CompletedProcess[str]]:
     """``massline(*arguments, cwd=folder)``: the command line in a process of its own; keywords go to `subprocess.run`."""
@@ -82,13 +85,10 @@ def massline() -> Callable[..., subprocess.CompletedProcess[str]]:
     return run
 
 
-COMMAND = "from validation.cli.main import main; main()"
-
-
 @pytest.fixture(scope="session")
 def apart(code: Path) -> Iterator[Callable[..., subprocess.CompletedProcess[str]]]:
-    """``apart(program, *arguments, cwd=folder)``: a program in a process of its own, the command line by default, with the
-    libraries already imported there (`apart.py`): that takes longer than most of what is asked. Keywords: `env` and `input`."""
+    """``apart(*arguments, cwd=folder)``: the command line, or another `program`, in a process of its own that has the libraries
+    already (`apart.py`): to import them takes longer than most of what is asked. Further keywords: `env` and `input`."""
     command = [sys.executable, "-P", str(Path(__file__).with_name("apart.py"))]
     environment = {**os.environ, "PYTHONPATH": str(code)}
     with subprocess.Popen(command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8") as server:
@@ -98,7 +98,7 @@ def apart(code: Path) -> Iterator[Callable[..., subprocess.CompletedProcess[str]
         def run(
             *arguments: str, program: str = COMMAND, cwd: Path | None = None, env: dict[str, str] | None = None, input: str = ""
         ) -> subprocess.CompletedProcess[str]:
-            where, around = str(cwd or Path.cwd()), env or dict(os.environ)
+            where, around = str(cwd or Path.cwd()), {**(env or os.environ), "PYTHONPATH": str(code)}
             asked = {"program": program, "arguments": arguments, "cwd": where, "env": around, "input": input}
             server.stdin.write(json.dumps(asked) + "\n")
             server.stdin.flush()
