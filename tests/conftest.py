@@ -1,11 +1,16 @@
 """What every test may ask for: the repository, the folder of real measured data, the command line as users run it, a renderer."""
 
+import gc
+import json
 import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -15,6 +20,10 @@ settings.register_profile("massline", derandomize=True, deadline=None, database=
 settings.load_profile("massline")
 
 ROOT = Path(__file__).parents[1]
+
+RUBBISH = (50_000, 20, 100)
+"""Objects, collections and collections of those after which rubbish is looked for: with the libraries, thousands of tests and
+what they share on the heap, Python's own 700, 10 and 10 spend up to a third of a test's processor time on looking."""
 
 
 @pytest.fixture(scope="session")
@@ -62,15 +71,57 @@ def code(root: Path) -> Path:
     return Path(os.environ.get("MASSLINE_UNDER_TEST", root)).resolve()
 
 
+COMMAND = "from validation.cli.main import main; main()"
+
+
 @pytest.fixture(scope="session")
 def massline() -> Callable[..., subprocess.CompletedProcess[str]]:
     """``massline(*arguments, cwd=folder)``: the command line in a process of its own; keywords go to `subprocess.run`."""
-    entry = (sys.executable, "-P", "-c", "from validation.cli.main import main; main()")
+    entry = (sys.executable, "-P", "-c", COMMAND)
 
     def run(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
         return subprocess.run([*entry, *arguments], capture_output=True, encoding="utf-8", check=False, **options)
 
     return run
+
+
+@pytest.fixture(scope="session")
+def apart(code: Path) -> Iterator[Callable[..., subprocess.CompletedProcess[str]]]:
+    """``apart(*arguments, cwd=folder)``: the command line, or another `program`, in a process of its own that has the libraries
+    already (`apart.py`): to import them takes longer than most of what is asked. Further keywords: `env` and `input`."""
+    command = [sys.executable, "-P", str(Path(__file__).with_name("apart.py"))]
+    environment = {**os.environ, "PYTHONPATH": str(code)}
+    with subprocess.Popen(command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8") as server:
+        assert server.stdin is not None
+        assert server.stdout is not None
+
+        def run(
+            *arguments: str, program: str = COMMAND, cwd: Path | None = None, env: dict[str, str] | None = None, input: str = ""
+        ) -> subprocess.CompletedProcess[str]:
+            where, around = str(cwd or Path.cwd()), {**(env or os.environ), "PYTHONPATH": str(code)}
+            asked = {"program": program, "arguments": arguments, "cwd": where, "env": around, "input": input}
+            server.stdin.write(json.dumps(asked) + "\n")
+            server.stdin.flush()
+            done = json.loads(server.stdout.readline())
+            return subprocess.CompletedProcess(arguments, done["code"], done["out"], done["err"])
+
+        yield run
+        server.stdin.close()
+
+
+@pytest.fixture(scope="session")
+def quick_workers() -> Iterator[None]:
+    """To the end of the session workers of a desk are forks of a process that has the libraries; elsewhere each imports them."""
+    from multiprocessing import forkserver, get_context
+
+    from validation.app import workers
+
+    context = get_context("forkserver")
+    context.set_forkserver_preload(["validation.app.workers", "massline"])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(workers, "multiprocessing", SimpleNamespace(get_context=lambda method: context))
+        yield
+    forkserver._forkserver._stop()  # and is waited for
 
 
 @pytest.fixture(scope="session")
@@ -140,6 +191,54 @@ def pytest_runtest_makereport(item: pytest.Item) -> Iterator[None]:
     return report
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+ENDS = pytest.StashKey[float]()
+LEFT_OUT = pytest.StashKey[list[str]]()
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    within = "tests begin within so many seconds; those that are left out are named"
+    parser.addoption("--within", type=float, default=float("inf"), metavar="SECONDS", help=within)
+    parser.addoption("--begin-at", type=int, default=0, metavar="N", help="begin with this test; those before it come last")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    gc.set_threshold(*RUBBISH)
+    config.stash[ENDS] = time.monotonic() + config.getoption("--within")
+    config.stash[LEFT_OUT] = []
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_protocol(item: pytest.Item) -> bool | None:
+    if time.monotonic() < item.config.stash[ENDS]:
+        return None
+    item.config.stash[LEFT_OUT].append(item.nodeid)
+    return True
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    if hasattr(session.config, "workeroutput"):
+        session.config.workeroutput["left_out"] = session.config.stash[LEFT_OUT]
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any) -> None:
+    node.config.stash[LEFT_OUT] += getattr(node, "workeroutput", {}).get("left_out", [])
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    if left := config.stash[LEFT_OUT]:
+        terminalreporter.section(f"{len(left)} left out: {config.getoption('--within'):g} s were over")
+        terminalreporter.write("".join(f"{name}\n" for name in sorted(left)))
+
+
+def pytest_collection_finish() -> None:
+    """What was collected stays to the end: no use in looking through it for rubbish."""
+    gc.freeze()
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Two processes share the suite: what one of them does at the end, the other waits for."""
+    begin = config.getoption("--begin-at") % max(len(items), 1)
+    items[:] = items[begin:] + items[:begin]
     items.sort(key=lambda item: item.get_closest_marker("first") is None)

@@ -84,6 +84,9 @@ UNSTORED = {
 RULE = re.compile(r"([─━═-])\1{2,}")
 
 
+Apart = Callable[..., subprocess.CompletedProcess[str]]
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Answer:
     """Of one line.
@@ -108,12 +111,12 @@ class Asking:
     ----------
     folder : that the lines run in
     root : the repository
-    process : each line in a process of its own
+    apart : runs each line in a process of its own where it is given
     """
 
     folder: Path
     root: Path
-    process: bool = False
+    apart: Apart | None = None
     places: dict[str, str] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -133,7 +136,7 @@ class Asking:
                 states = workbench(self.folder / "desk", words[1], words[2:])
                 yield from (Answer(line=f"{line}: {step}", text="", data=self._clean(state)) for step, state in states.items())
                 continue
-            code, out, err = in_process(words) if self.process else here(words, kept, again)
+            code, out, err = here(words, kept, again) if self.apart is None else in_process(self.apart, words)
             head = f"exit code {code}\n"
             if "--json" in words and out.startswith("{"):
                 yield Answer(line=line, text=self._plain(head + err), data=self._clean(json.loads(out)))
@@ -212,10 +215,9 @@ def made_once(kept: list[Any], again: bool, make: Callable[..., Any], *of: Any) 
     return found
 
 
-def in_process(words: list[str]) -> tuple[int, str, str]:
+def in_process(apart: Apart, words: list[str]) -> tuple[int, str, str]:
     """The same in a process of its own."""
-    command = [sys.executable, "-P", "-c", "from validation.cli.main import main; main()", *words]
-    done = subprocess.run(command, capture_output=True, encoding="utf-8", check=False)
+    done = apart(*words)
     return done.returncode, done.stdout, done.stderr
 
 
@@ -506,7 +508,9 @@ def differing() -> Differing:
 
 
 @pytest.fixture
-def ask(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], list[Answer]]:
+def ask(
+    root: Path, tmp_path: Path, apart: Apart, quick_workers: None, monkeypatch: pytest.MonkeyPatch
+) -> Callable[[str], list[Answer]]:
     """``ask(kind)``: the answers of today."""
     monkeypatch.chdir(tmp_path)
 
@@ -516,7 +520,7 @@ def ask(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable
             (tmp_path / name).write_text(text, encoding="utf-8")
         if script := [word.replace("{root}", str(root)) for word in of.get("python", ())]:
             subprocess.run([sys.executable, "-P", *script], capture_output=True, check=True)
-        return list(Asking(folder=tmp_path, root=root, process=of.get("process", False)).answers(of["lines"]))
+        return list(Asking(folder=tmp_path, root=root, apart=apart if of.get("process") else None).answers(of["lines"]))
 
     return asked
 

@@ -25,7 +25,7 @@ import re
 import shlex
 import shutil
 import subprocess
-import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -131,19 +131,14 @@ def shown(page: Path) -> Shown:
     return Shown(steps=steps, says=says)
 
 
-def done(page: Path, asked: list[dict[str, Any]], here: Path, code: Path) -> list[dict[str, Any]]:
-    """What the steps of `page` printed and how they ended, in a process that finds the packages in `code`."""
+def done(
+    page: Path, asked: list[dict[str, Any]], here: Path, apart: Callable[..., subprocess.CompletedProcess[str]]
+) -> list[dict[str, Any]]:
+    """What the steps of `page` printed and how they ended, in a process of its own."""
     answer = here.parent / "answer.json"
-    command = [sys.executable, "-P", str(Path(__file__).with_name("page_process.py")), str(ROOT), str(answer)]
-    process = subprocess.run(
-        command,
-        cwd=here,
-        env={**os.environ, "PYTHONPATH": str(code), "MASSLINE_DATA": "../shared/data"},
-        input=json.dumps(asked),
-        capture_output=True,
-        encoding="utf-8",
-        check=False,
-    )
+    program = Path(__file__).with_name("page_process.py").read_text(encoding="utf-8")
+    around = {**os.environ, "MASSLINE_DATA": "../shared/data"}
+    process = apart(str(ROOT), str(answer), program=program, cwd=here, env=around, input=json.dumps(asked))
     assert process.returncode == 0, f"{page.name}\n{process.stdout}{process.stderr}"
     answers: list[dict[str, Any]] = json.loads(answer.read_text(encoding="utf-8"))
     return answers
@@ -184,7 +179,7 @@ def unsaid(block: Block, printed: str) -> list[str]:
     "page", [pytest.param(one, marks=[pytest.mark.proof] * (one.name in LONG), id=one.name) for one in PAGES]
 )
 def test_everything_that_a_page_shows_runs_and_prints_what_it_says(
-    page: Path, code: Path, tmp_path: Path, request: pytest.FixtureRequest
+    page: Path, apart: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:
     asked = shown(page)
     if not asked.steps:
@@ -194,7 +189,7 @@ def test_everything_that_a_page_shows_runs_and_prints_what_it_says(
     if re.search(r"\.\./shared/data|MASSLINE_DATA", json.dumps(asked.steps)):
         (tmp_path / "shared").mkdir()
         (tmp_path / "shared" / "data").symlink_to(request.getfixturevalue("data").resolve())
-    answers = done(page, asked.steps, here, code)
+    answers = done(page, asked.steps, here, apart)
     for step, answer in zip(asked.steps, answers, strict=False):
         assert answer["code"] == step["ends"], f"{step}\n{answer['printed']}"
     for block, first, last in asked.says:
@@ -312,11 +307,13 @@ def test_one_page_has_every_command_on_a_line() -> None:
     assert COMMANDS.keys() <= found
 
 
-def test_a_new_block_is_run_and_what_it_says_is_held_against_what_it_prints(tmp_path: Path, code: Path) -> None:
+def test_a_new_block_is_run_and_what_it_says_is_held_against_what_it_prints(
+    tmp_path: Path, apart: Callable[..., subprocess.CompletedProcess[str]]
+) -> None:
     page = tmp_path / "page.md"
     page.write_text("```python\nprint('mass', 2.0 / 3, 'kg')\nraise SystemError('run')\n```\n", encoding="utf-8")
     (block,) = blocks(page)
-    (answer,) = done(page, [{"python": block.text, "of": "page", "ends": 0}], tmp_path, code)
+    (answer,) = done(page, [{"python": block.text, "of": "page", "ends": 0}], tmp_path, apart)
     assert answer["code"] == -1
     assert "SystemError: run" in answer["printed"]
     said = [Block(language="output", text=f"{text}\n", line=1) for text in ("mass 0.667 kg", "mass 0.70 kg", "mass 0.667 g")]

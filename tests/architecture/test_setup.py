@@ -77,7 +77,8 @@ def test_submissions_are_judged_by_the_suite_and_the_proof(root: Path) -> None:
     script = (root / ".ci" / "run").read_text(encoding="utf-8")
     left_out = set(re.findall(r"not (\w+)", "".join(re.findall(r"-m '(.*?)'", script))))
     assert left_out == {"proof", "fast"}
-    assert {"make check", "make proof", "export CI=true"} <= {line.strip() for line in script.splitlines()}
+    assert {"make check", "export CI=true"} <= {line.strip() for line in script.splitlines()}
+    assert 'make proof ARGS="--within ' in script
     assert "pytest --quiet -m fast tests/fem" in script
 
 
@@ -89,6 +90,28 @@ def test_where_ci_is_set_a_skip_fails_and_says_what_is_missing(root: Path, tmp_p
         command = [sys.executable, "-P", "-m", "pytest", "-p", "no:cacheprovider", str(tmp_path)]
         done = subprocess.run(command, env={**os.environ, "CI": ci}, capture_output=True, text=True, check=False, cwd=tmp_path)
         assert (done.returncode, said in done.stdout) == (ends, True), done.stdout
+
+
+@pytest.mark.parametrize(
+    ("options", "ran", "left"),
+    [
+        (("-n2", "--within", "0"), [], {"0", "1", "2", "3"}),
+        (("-n0", "--within", "60", "--begin-at", "6"), ["2", "3", "0", "1"], set()),
+    ],
+    ids=["two processes without time", "one process in time"],
+)
+def test_what_has_not_begun_in_time_is_left_out_and_named(
+    root: Path, tmp_path: Path, options: tuple[str, ...], ran: list[str], left: set[str]
+) -> None:
+    test = "import pytest\n\n@pytest.mark.parametrize('k', range(4))\ndef test_it(k):\n    pass\n"
+    (tmp_path / "test_it.py").write_text(test, encoding="utf-8")
+    (tmp_path / "conftest.py").write_text((root / "tests" / "conftest.py").read_text(encoding="utf-8"), encoding="utf-8")
+    command = [sys.executable, "-P", "-m", "pytest", "-p", "no:cacheprovider", "-vv", str(tmp_path), *options]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    assert re.findall(r"test_it\[(\d)\] PASSED", done.stdout) == ran
+    assert set(re.findall(r"^test_it.py::test_it\[(\d)\]$", done.stdout, re.MULTILINE)) == left
+    assert ("4 left out: 0 s were over" in done.stdout) == bool(left)
 
 
 def test_of_what_pip_says_only_ignored_locations_are_kept_from_the_screen(root: Path, tmp_path: Path) -> None:

@@ -71,6 +71,7 @@ def test_the_picture_of_the_pendulum_shows_the_article_as_it_is_now(root: Path) 
     )
 
 
+@pytest.mark.proof  # the script; fem/solid/test_solid_model.py refines meshes
 def test_a_convergence_study_prints_frequencies_that_fall_and_a_verdict(
     root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -360,7 +360,7 @@ for _ in range({TIMES}):
 """
 
 
-@pytest.mark.parametrize("kind", ["driven", "large", "swing"])
+@pytest.mark.parametrize("kind", ["driven", pytest.param("large", marks=pytest.mark.proof), "swing"])
 def test_ctrl_c_from_another_process_always_ends_a_run_as_ctrl_c(kind: str) -> None:
     """Sent at some moment after the first, second, ... word of progress."""
     ended: list[str] = []

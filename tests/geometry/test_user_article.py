@@ -1,9 +1,7 @@
 """A user's own article: figures against closed forms and a CAD's own, and every refusal with its evidence."""
 
-import os
 import re
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -345,12 +343,12 @@ def test_an_empty_folder_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def example(root: Path, code: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def example(root: Path, apart: Callable[..., subprocess.CompletedProcess[str]], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What ``examples/own_article.py`` writes."""
     folder = tmp_path_factory.mktemp("own")
-    subprocess.run(
-        [sys.executable, root / "examples" / "own_article.py", folder], env={**os.environ, "PYTHONPATH": str(code)}, check=True
-    )
+    program = "import runpy, sys; del sys.argv[0]; runpy.run_path(sys.argv[0], run_name='__main__')"
+    done = apart(str(root / "examples" / "own_article.py"), str(folder), program=program)
+    assert done.returncode == 0, done.stderr
     return folder
 
 

@@ -43,7 +43,7 @@ def test_bodies_that_cross_themselves_and_others_do_so_in_the_faces_that_cgal_na
 def test_meshes_damaged_on_purpose_cross_where_cgal_says_so() -> None:
     """Holes and turned faces left as they are, of doubled faces one of each."""
     crossed = 0
-    for seed in range(16):
+    for seed in range(8):
         random = np.random.default_rng(seed)
         mesh = meshes.merged(damaged(sound(random), random))
         _, first = np.unique(np.sort(mesh.faces, axis=1), axis=0, return_index=True)
@@ -51,7 +51,7 @@ def test_meshes_damaged_on_purpose_cross_where_cgal_says_so() -> None:
         expected = of_cgal(mesh)
         assert ours(mesh) == expected
         crossed += bool(expected)
-    assert 3 <= crossed <= 13
+    assert 2 <= crossed <= 6
 
 
 def folded(*corners: tuple[float, float, float]) -> TriangleMesh:
@@ -72,7 +72,7 @@ def test_an_edge_along_another_one_from_the_corner_they_share_is_a_contact_as_fo
 
 def test_what_two_bodies_share_is_what_cgal_cuts_out_of_them() -> None:
     shares = []
-    for seed in (2, 4, 8):
+    for seed in (2, 4):
         first, second = meshes.pieces(crossing(seed))
         vertices, faces, _ = mesh_boolean(first.vertices, first.faces, second.vertices, second.faces, "intersect")
         smaller = min(first.volume, second.volume)

@@ -206,6 +206,12 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "twice": ({"files": [{"path": "a.csv", "drive": "a"}, {"path": "a.csv", "drive": "a"}]}, "as well"),
     "band": ({"file": "a.csv", "drive": "a", "band": [500, 600]}, "band"),
     "not finite": ({"file": "nan.csv", "drive": "a"}, "finite"),
+    "file and files": ({"file": "a.csv", "files": [], "drive": "a"}, "one of `file` and `files`"),
+    "a file without a path": ({"files": [{"drive": "a"}]}, "names no file"),
+    "no responses": ({"file": "a.csv", "drive": "a", "responses": []}, "responses`: is missing"),
+    "a gain below zero": ({"file": "a.csv", "drive": "a", "gain": -1}, "a share such as 0.02"),
+    "a place in a plane": ({"file": "a.csv", "drive": "a", "coordinates": {"a": [0.1, 0.2]}}, "three lengths"),
+    "a block below zero": ({"file": "a.csv", "drive": "a", "records": {"kind": "hammer", "block": -1}}, "not negative"),
 }  # fmt: skip
 
 
@@ -237,6 +243,15 @@ MODES: dict[str, tuple[dict[str, Any], str]] = {
     "shapes without sensors": ({"frequencies": [1.0], "shapes": [[1, 2]]}, "0 sensors"),
     "a zero shape": ({"frequencies": [1.0], "shapes": [[0, 0]], "sensors": ["a:x", "b:x"]}, "zero"),
     "words": ({"frequencies": [1.0], "shapes": [["x", 0]], "sensors": ["a:x", "b:x"]}, "list of numbers"),
+    "unequal rows": ({"frequencies": [1.0, 2.0], "shapes": [[1], [1, 2]], "sensors": ["a:x"]}, "list of numbers a mode"),
+    "one shape for a list": ({"frequencies": [1.0], "shapes": [1, 2], "sensors": ["a:x", "b:x"]}, "list of numbers a mode"),
+    "a deviation below zero": (
+        {"frequencies": [1.0], "shapes": [[1, 2]], "sensors": ["a:x", "b:x"], "shapes_deviation": -0.1},
+        "a share such as",
+    ),
+    "damping of one mode": ({"frequencies": [1.0, 2.0], "damping": [0.01]}, "states 1 modes, and frequencies 2"),
+    "a frequency that is true": ({"frequencies": [True]}, "must be a number"),
+    "a gain below zero": ({"frequencies": [1.0], "gain": -1}, "a share such as 0.02"),
     "a sensor twice": ({"frequencies": [1.0], "shapes": [[1, 2]], "sensors": ["a:x", "a:x"]}, "twice"),
     "of another dimension": ({"frequencies": ["3 kg"]}, "frequency"),
 }  # fmt: skip

@@ -17,9 +17,18 @@ from identification.campaign import Run as CampaignRun
 from validation.cli import main
 from validation.report import page
 from validation.report.charts import history, static
+from validation.report.scenes import scene
 from validation.virtual_test.layout import mavis
 
 Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _coarse() -> Iterator[None]:
+    """Scenes are drawn as fine as they are shown, a quarter of the work without OpenGL's hardware: pages draw them finer."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(scene, "SUPERSAMPLING", 1)
+        yield
 
 
 @pytest.fixture

@@ -164,7 +164,11 @@ def test_a_study_of_modes_that_are_typed_is_written(study, run, tmp_path, three_
 
 
 @pytest.mark.parametrize(
-    ("stated", "where"), [('[tolerances]\nclass = "calibrated"\n', ""), ("", "gain = 0.005\nforce_gain = 0.005\n")]
+    ("stated", "where"),
+    [
+        pytest.param('[tolerances]\nclass = "calibrated"\n', "", marks=pytest.mark.proof),
+        ("", "gain = 0.005\nforce_gain = 0.005\n"),
+    ],
 )
 def test_a_pick_up_that_reads_eight_per_cent_too_much_is_named_by_whoever_has_his_calibrated(
     study, answer, tmp_path, stated, where

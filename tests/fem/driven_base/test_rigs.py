@@ -131,6 +131,7 @@ def test_a_reduced_article_on_cells_and_a_flange_that_gives_in_some_directions(
     assert_allclose(response.places["foot"], truth.places["foot"], atol=ISSUE * np.abs(truth.places["foot"]).max())
 
 
+@pytest.mark.proof  # runs of exudyn for a second order
 def test_exudyn_turns_the_forces_of_the_cells_with_the_cover_plate_which_a_linear_rig_does_not(
     block: FlexibleBody, cover: Inertia, cells: Cells
 ) -> None:

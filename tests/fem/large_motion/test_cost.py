@@ -65,6 +65,7 @@ def test_second_order_in_the_record_and_third_at_the_driven_line(costs: Costs) -
             assert all(each.at_line < 0.5 * each.angle**2 for each in found)
 
 
+@pytest.mark.proof  # five runs; the same orders of a stiff one are held above
 def test_an_elastic_article_answers_to_second_order_and_feeds_third_into_the_line() -> None:
     """Clumod about the x axis: twice 4 Hz is nearer to its first mode at 11.5 Hz, so more is left out than of a stiff one."""
     stiff, elastic = (of_a_sine(plan_of("clumod-1", elements=n), ["alpha"], (10.0, 30.0)) for n in (None, 1))
@@ -74,6 +75,7 @@ def test_an_elastic_article_answers_to_second_order_and_feeds_third_into_the_lin
     assert stiff[0].at_line < 1e-9 < 1e-5 < elastic[0].at_line < 0.1 * elastic[0].angle ** 2
 
 
+@pytest.mark.proof  # two whole sweeps; sines are held above
 def test_the_spectrum_of_a_whole_sweep_holds_twice_the_frequency(block: Inertia) -> None:
     """Nothing before the sweep has passed twice its start, and from there on half of the angle at half the line, or less.
 
@@ -89,6 +91,7 @@ def test_the_spectrum_of_a_whole_sweep_holds_twice_the_frequency(block: Inertia)
     assert_allclose(np.polyfit(np.log(lines), np.log(shares[1]), 1)[0], -2.0, atol=0.4)
 
 
+@pytest.mark.proof  # the script; what it prints is held above
 def test_the_example_prints_shares_that_grow_and_the_limit() -> None:
     printed = io.StringIO()
     STUDY["main"](Console(file=printed, width=160), ["clumod-1:rigid"], [("alpha",), ("x", "gamma")])

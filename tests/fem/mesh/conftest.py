@@ -31,7 +31,7 @@ def meshed(tmp_path: Path) -> Callable[..., Structure]:
 
 BRACKET = """
 import gmsh, json, sys
-path, order, quads, options = sys.argv[1], int(sys.argv[2]), sys.argv[3], json.loads(sys.argv[4])
+paths, order, options = sys.argv[3:], int(sys.argv[1]), json.loads(sys.argv[2])
 gmsh.initialize(interruptible=False)
 gmsh.option.setNumber("General.Terminal", 0)
 occ = gmsh.model.occ
@@ -48,7 +48,8 @@ for key, value in {"Mesh.MeshSizeMax": 15, "Mesh.SaveGroupsOfNodes": 1, "Mesh.Sa
     gmsh.option.setNumber(key, value)
 gmsh.model.mesh.generate(3)
 gmsh.model.mesh.setOrder(order)
-gmsh.write(path)
+for path in paths:
+    gmsh.write(path)
 """
 
 
@@ -58,10 +59,11 @@ def bracket_mesh(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path
     made: dict[str, Path] = {}
 
     def write(ending: str, order: int = 2, **options: float) -> Path:
-        key = f"{ending}-{order}-{json.dumps(options)}"
-        if key not in made:
-            made[key] = tmp_path_factory.mktemp("bracket") / f"bracket.{ending}"
-            subprocess.run([sys.executable, "-P", "-c", BRACKET, str(made[key]), str(order), "", json.dumps(options)], check=True)
-        return made[key]
+        key = f"{order}-{json.dumps(options)}"
+        if key not in made:  # one mesh for all endings
+            made[key] = tmp_path_factory.mktemp("bracket")
+            paths = [str(made[key] / f"bracket.{each}") for each in ("msh", "med", "inp", "unv", "bdf")]
+            subprocess.run([sys.executable, "-P", "-c", BRACKET, str(order), json.dumps(options), *paths], check=True)
+        return made[key] / f"bracket.{ending}"
 
     return write

@@ -59,6 +59,7 @@ def test_a_body_without_material_and_a_part_without_body_are_named(stack: Path) 
         made(stack, f'{HEAD}{PARTS}[fe_model.parts.bx]\nmaterial = "steel"\n')
 
 
+@pytest.mark.proof  # three meshes; test_mesh_structure.py holds supports
 def test_on_the_ground_an_assembly_is_clamped_where_it_would_stand_but_not_if_it_is_on_springs(stack: Path) -> None:
     driven = made(stack, HEAD + PARTS)
     clamped = made(stack, f'{HEAD}support = "ground"\n{PARTS}')

@@ -153,6 +153,7 @@ def volume(mesh: SolidMesh) -> float:
     return float(volumes(mesh).sum())
 
 
+@pytest.mark.proof  # four meshes; test_the_cuboid_has_the_inertia_of_its_drawing holds a volume
 def test_curved_edges_lose_volume_with_the_fourth_power_of_the_size_and_straight_ones_with_the_second() -> None:
     exact = np.pi / 4 * 0.1**2 * 0.1
     meshes = [tetrahedra.tetrahedra(bodies(article(rod())), Sizing(size=1, fineness=f)) for f in (1.0, 3.0)]
@@ -190,6 +191,7 @@ def test_a_size_is_kept_and_fineness_divides_it() -> None:
     assert longest[1] < 0.7 * longest[0]
 
 
+@pytest.mark.proof  # two meshes for a choice of sizes
 def test_elements_shrink_at_re_entrant_edges_only() -> None:
     """The rod's foot on the block is one, the block's own edges are none."""
     both = article(block_of_tetrahedra((0.3, 0.3, 0.05), name="foot"), rod(bottom=0.05))

@@ -85,6 +85,7 @@ def test_a_small_error_of_a_channel_moves_the_plain_estimate_as_predicted(lab, n
     assert_allclose(moved, predicted, atol=1e-3 * np.abs(predicted).max() + 1e-9)
 
 
+@pytest.mark.proof  # many drawn campaigns
 def test_the_noise_of_the_plain_estimate_is_that_of_repeated_campaigns(lab):
     settings = lab.Laboratory(rng=np.random.default_rng(0), tolerances=Tolerances()).settings(modes=0)
     loud = [lab.Laboratory(rng=np.random.default_rng(7), tolerances=Tolerances(), noise=0.0)]

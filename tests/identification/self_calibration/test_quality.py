@@ -30,6 +30,7 @@ def some(lab, spread: float) -> Identified:
     )
 
 
+@pytest.mark.proof  # many draws
 def test_the_covariance_of_mass_cog_and_moments_is_that_of_draws(lab):
     found = some(lab, 1e-3)
     rng = np.random.default_rng(1)
@@ -88,7 +89,7 @@ def test_moments_that_no_body_has_are_impossible_only_beyond_their_intervals(lab
     assert not impossible(quality(some(lab, 1e-4)))
 
 
-@pytest.mark.parametrize("way", [plain, calibrated])
+@pytest.mark.parametrize("way", [plain, pytest.param(calibrated, marks=pytest.mark.proof)])
 def test_a_rigid_fit_of_an_elastic_structure_is_flagged_and_of_a_rigid_one_is_not(ordinary, lab, way):
     low = replace(ordinary, frequency=np.arange(4.0, 8.01, 0.1))
     flagged = quality(way(low.evidence(terms=lab.MODES), low.settings(modes=0)))

@@ -44,7 +44,7 @@ def at_work(start_app: Any, visit: Any, until: Any, series: tuple[str, str]) -> 
     return bench, page, bench.descendants()
 
 
-@pytest.mark.parametrize("ending", ["the page is closed", "ctrl-c", "the door is killed"])
+@pytest.mark.parametrize("ending", ["the page is closed", pytest.param("ctrl-c", marks=pytest.mark.proof), "the door is killed"])
 def test_however_it_ends_every_window_and_its_work_are_gone(ending, start_app, visit, until, alive, series):
     bench, page, every = at_work(start_app, visit, until, series)
     if ending == "the page is closed":

@@ -26,6 +26,8 @@ drive = "floor-1:x"
 responses = ["floor-1:x", "floor-2:x"]
 """
 
+pytestmark = pytest.mark.proof  # a browser that draws at three widths; validation/desk/test_structures.py holds what it shows
+
 APART = """() => [...document.querySelectorAll(".js-plotly-plot")].filter((one) => one.offsetWidth > 0).flatMap((one) => {
     const box = (name) => one.querySelector(name)?.getBoundingClientRect();
     const [legend, bar, drag] = [".legend", ".modebar", ".nsewdrag"].map(box);

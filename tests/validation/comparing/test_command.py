@@ -34,6 +34,7 @@ def files(tmp_path_factory, meaningless) -> tuple[str, str]:
     return str(folder / "model.toml"), str(folder / "test")
 
 
+@pytest.mark.proof  # every picture; test_shown.py draws them, tests/answers holds JSON and exit code
 def test_json_pictures_and_exit_code(files, answer, tmp_path):
     found = answer("compare", *files, "--hold-out", "gamma", "--out", "found")
     assert found["worst"][0]["channel"] == "cover-x1"

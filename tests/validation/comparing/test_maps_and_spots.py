@@ -112,6 +112,7 @@ def test_a_single_tolerance_makes_the_plain_error_that_it_explains(by_hand, name
     assert_allclose(of_a_mode.explained_with_modes, of.explained, rtol=1e-12)
 
 
+@pytest.mark.proof  # many laboratories
 def test_over_laboratories_the_plain_error_is_what_tolerances_explain_however_loud_the_noise(by_hand):
     """Twelve of them tell the mean square to about a fifth.
 

@@ -31,6 +31,10 @@ def made(example: Example) -> Series:
         return opening.made(example.name)
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _quick_workers(quick_workers) -> None: ...
+
+
 @pytest.fixture(scope="session")
 def block() -> Series:
     """The files of a quick example."""

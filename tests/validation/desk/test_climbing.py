@@ -78,6 +78,7 @@ def test_adding_that_is_cancelled_when_its_rung_is_written_goes_back_and_says_so
     assert desk.go_to(1).text != text
 
 
+@pytest.mark.proof  # a whole worker; the test below goes back as well
 def test_adding_that_fails_when_its_rung_is_written_goes_back_and_says_so(climbed, fresh):
     desk = fresh("failed")
     text = desk.model.read_text()

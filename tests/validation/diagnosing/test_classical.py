@@ -229,6 +229,7 @@ def test_a_period_as_the_model_has_it_misses_nothing_and_says_what_it_could_not_
     assert again.verdict != NOTHING
 
 
+@pytest.mark.proof  # a diagnosis for a sign
 def test_a_period_too_short_is_no_effect_of_ropes_or_air(clumod, write, body):
     path = Path(write({}))
     text = path.read_text(encoding="utf-8")
@@ -301,6 +302,7 @@ def test_swings_on_the_same_ropes_share_the_tolerance_of_their_length(clumod, wr
     assert apart < 0.2 * of.covariance[0, 0]
 
 
+@pytest.mark.proof  # a diagnosis; a period as the model has it misses nothing either
 def test_nothing_is_named_where_tolerances_are_all_that_is_wrong(clumod, write):
     found = facts(clumod, [write({}, (0, 1, 2))])
     of = observed(found, ())
@@ -379,6 +381,7 @@ def swing(tmp_path) -> Swing:
     return made
 
 
+@pytest.mark.proof  # a diagnosis; test_swings_that_differ names what is off centre
 def test_ropes_at_two_radii_find_the_centre_of_gravity_beside_their_middle(swing):
     files = [swing("wide", "0.3 m", off_centre="20 mm"), swing("narrow", "0.2 m", off_centre="20 mm")]
     found = only_classical(MODEL, files)
@@ -386,6 +389,7 @@ def test_ropes_at_two_radii_find_the_centre_of_gravity_beside_their_middle(swing
     assert_allclose(found.accepted[0].sizes[0].value, 0.02, rtol=0.03)  # the integration's own 8e-5 of the period is 1.6 % of e
 
 
+@pytest.mark.proof  # a diagnosis; aliases of one period are told above
 def test_on_one_set_of_ropes_it_is_one_of_many(swing):
     found = only_classical(MODEL, [swing("wide", "0.3 m", off_centre="20 mm")])
     assert found.verdict == AMBIGUOUS
@@ -478,6 +482,7 @@ def of_mass(of: Study, fitted: Fit) -> Screened:
     return screened_by_id(screen(of, standing(of, fitted), menu_of(of, only=("rigid-inertia:m",))))["rigid-inertia:m"]
 
 
+@pytest.mark.proof  # a diagnosis; docs/diagnose-pendulum.md shows one
 def test_a_balance_says_what_a_campaign_alone_cannot(made, fitted, cuboid):
     """The FMD below is known to 5 %, force channels to a few parts in a thousand: together they hide what a balance shows."""
     alone, together = (

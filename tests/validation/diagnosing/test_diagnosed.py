@@ -58,13 +58,15 @@ def faulty(made) -> diagnosis.Diagnosis:
     return diagnosed(made(f"{GAIN}=0.15"), only=ASKED)
 
 
+@pytest.mark.proof  # the stored answers of sound data are such a diagnosis
 def test_where_nothing_is_missing_nothing_is_named_and_the_smallest_sizes_are_told(sound):
     assert (sound.verdict, sound.accepted, sound.equivalence_class, sound.leftover) == (diagnosis.NOTHING, (), (), None)
     assert {one.id.partition(":")[0] for one in sound.detectable} == set(ASKED)
     assert sound.before is sound.after
 
 
-@pytest.mark.parametrize("effects", [pytest.param((), marks=pytest.mark.proof), (f"{GAIN}=0.15",)])
+@pytest.mark.proof  # a diagnosis each; the stored answers hold both commands on the same data
+@pytest.mark.parametrize("effects", [(), (f"{GAIN}=0.15",)])
 def test_the_errors_of_the_model_as_it_is_are_those_of_a_comparison_digit_for_digit(made, effects):
     """On the same lines and the same folds, whoever asks first."""
     study = made(*effects)
@@ -136,6 +138,7 @@ def test_a_modulus_that_is_told_to_half_of_what_is_plausible_is_not_called_small
     assert (size.value, size.low, size.high) == pytest.approx((-0.35, *ends), rel=1e-6)
 
 
+@pytest.mark.proof  # the stored answers of a mistake are such a diagnosis
 def test_a_mistake_alone_is_its_own_class(made):
     found = diagnosed(made("polarity:fmd-x12"), only=ASKED)
     assert (found.verdict, [one.id for one in found.accepted]) == (diagnosis.MISTAKE, ["polarity:fmd-x12"])

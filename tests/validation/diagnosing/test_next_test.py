@@ -206,6 +206,7 @@ def test_an_offset_and_a_shifted_centre_of_gravity_are_one_to_the_data_and_turni
     assert "Run the Cuboid" not in told_by  # it was run
 
 
+@pytest.mark.proof  # a test and its fit; the FMD alone below gives what was expected, too
 def test_a_turned_test_gives_what_was_expected_of_it_and_tells_a_hypothesis_by_nothing_from_itself(aside):
     first, _ = both_known(aside)
     for words, one in menu_of(aside).items():

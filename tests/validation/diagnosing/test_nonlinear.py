@@ -96,6 +96,7 @@ def test_friction_is_named_with_its_axis_and_slip_force(linear, axis):
     np.testing.assert_allclose(best.sizes[0].value, 3.0, rtol=0.03)  # noise, and inputs that a nominal model tells
 
 
+@pytest.mark.proof  # friction above holds the way
 def test_a_gap_is_named_with_its_cell_and_preload(linear):
     lifting = bent(linear, "gap:3=15")
     found = differing_levels(lifting)
@@ -105,6 +106,7 @@ def test_a_gap_is_named_with_its_cell_and_preload(linear):
     np.testing.assert_allclose(best.sizes[0].value, 15.0, rtol=0.05)  # the equation is of what the nominal model says it carries
 
 
+@pytest.mark.proof  # the stored answers name one
 def test_saturation_in_the_record_is_named_with_its_channel_and_share(tested):
     bent_records = saturated(tested, "fmd-z1", 0.1)
     found = differing_levels(bent_records)

@@ -250,8 +250,8 @@ def test_the_option_puts_them_into_simulate_wherever_it_stands(root, capsys):
         assert "force-lowpass:fmd-z2=1e-3" in out
 
 
-def test_a_broken_folder_ends_with_2_and_no_traceback(folder, massline, root, code):
-    run = massline("simulate", "fmd+cuboid", "--out", "x", "--effects-from", str(folder(mine="\nx = 1 / 0\n")), cwd=code)
+def test_a_broken_folder_ends_with_2_and_no_traceback(folder, apart, root, code):
+    run = apart("simulate", "fmd+cuboid", "--out", "x", "--effects-from", str(folder(mine="\nx = 1 / 0\n")), cwd=code)
     assert run.returncode == main.BAD_INPUT
     assert "line 2, `x = 1 / 0`, raised ZeroDivisionError" in run.stderr
     assert "Traceback" not in run.stderr

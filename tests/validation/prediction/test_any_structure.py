@@ -489,6 +489,7 @@ def test_a_weight_that_two_columns_share_must_be_stated() -> None:
         gravity.carried(both, "storey-2")
 
 
+@pytest.mark.proof  # counts what a long structure asks for
 def test_a_part_more_costs_what_one_costs(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a plate cut into more parts no eigenproblem of the reduction is larger, and as many answers are asked a part."""
     monkeypatch.setattr(bench_scale, "AROUND", 32)

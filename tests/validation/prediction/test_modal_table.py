@@ -88,7 +88,7 @@ def test_frequencies_and_shapes_of_a_chain_are_those_of_the_closed_form() -> Non
     assert_allclose(np.diag(mac(shapes.at({}).rows[:, 0, :, 0], sines)), 1.0, rtol=1e-12)
 
 
-@pytest.mark.parametrize(("options", "most"), [({}, 0.2), (NO_SHAPES, 0.8)])
+@pytest.mark.parametrize(("options", "most"), [pytest.param({}, 0.2, marks=pytest.mark.proof), (NO_SHAPES, 0.8)])
 def test_chi2_of_sound_tables_is_what_noise_makes_of_it_beside_tolerances(options: dict[str, None], most: float) -> None:
     of, rng, pairs, sound = chain(), np.random.default_rng(22), [], []
     made = modal_table.of(of, table(of, **options))

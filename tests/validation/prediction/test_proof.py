@@ -48,8 +48,8 @@ def null(laboratory) -> dict[str, Any]:
     return proof.nothing_planted((BLADE,), laboratory)
 
 
-IN_SHORT = ("force-gain", "point-mass")
-"""A stage of the chain and one of the structure; `make proof` has the others."""
+IN_SHORT = ("point-mass",)
+"""One of the structure, the stages of the chain being those of every diagnosis; `make proof` has the others."""
 
 
 @pytest.mark.parametrize(

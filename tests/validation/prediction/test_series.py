@@ -338,6 +338,7 @@ def problem(data) -> Problem:
     return Problem(predictions(model, campaigns)).thinned()
 
 
+@pytest.mark.proof  # a fit of everything
 def test_a_model_of_the_drawings_is_within_a_per_cent_once_the_fmd_and_its_modes_are_found(problem):
     plain = fit(problem, PLAIN)
     assert plain.converged

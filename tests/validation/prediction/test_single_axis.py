@@ -141,6 +141,7 @@ def test_a_pick_up_across_the_drive_hears_it_by_its_slant(simulated, model):
     assert np.median(level_of(of.measured)[0, :, channel("mast-top-z")]) < 0.2 * np.median(floor)
 
 
+@pytest.mark.proof  # a whole fit; what a base does besides is told above
 def test_motions_that_are_said_to_be_far_smaller_than_they_are_show(simulated, model):
     found = fit(Problem(predictions(model, [replace(simulated(), cross_motion=0.002)])).thinned(), FITTED)
     assert found.tolerance_z2 > 5 * found.tolerances  # they pay for what they are not

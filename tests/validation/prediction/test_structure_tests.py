@@ -222,7 +222,8 @@ def test_modes_of_a_coarse_mesh_are_unsure_above_the_band_and_turn_into_each_oth
         assert turned == pytest.approx(0.01 * (2 * np.pi) ** 2 * of.frequency[r] * of.frequency[s])
 
 
-@pytest.mark.parametrize("mesh", [StructureTolerances().mesh, pytest.param(0.0, marks=pytest.mark.proof)])
+@pytest.mark.proof  # two meshes and two fits; what a mesh leaves unsure is held element by element in fem/mesh
+@pytest.mark.parametrize("mesh", [StructureTolerances().mesh, 0.0])
 def test_a_sound_block_that_others_meshed_finer_is_within_what_its_mesh_leaves_unsure(tmp_path, mesh):
     path, rng = block(tmp_path, (12, 3, 3), "C3D20", mesh), np.random.default_rng(4)
     true, hertz = reading.read(path), np.linspace(300.0, 3000.0, 60)

@@ -98,6 +98,7 @@ def test_causes_are_those_of_diagnose(read, report):
     assert before[2:] == told
 
 
+@pytest.mark.proof  # an identification beside the report's; the stored answers have both
 def test_identified_inertia_is_that_of_identify(read, series, answer):
     said = answer("identify", str(series.campaign), "--no-study")
     table = next(one for one in read.tables if one.caption.startswith("fmd+cuboid: mass, CoG and inertia,"))
