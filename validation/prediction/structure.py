@@ -705,10 +705,15 @@ def by_itself(structure: Structure, band: float, *, damping: Damping | None = No
     del pairs, left  # of what floats the factors are others, and the first need not stay
     basis = bent_far(structure, free, np.hstack([vectors, rigid]), frequency, rows, band, soft, factor)
     unsure = None
-    if structure.clamps:  # where one gives, what it holds follows it; the bend beside it is none that a finer mesh would spread
-        pull = np.hstack([one.loads / np.sqrt(np.maximum(np.diag(one.stiffness), LEAST)) for one in structure.clamps.values()])
-        static = (factor or factorise(K.tocsc(), definite=True)).solve(pull[free.free])
-        more = _beside(basis, np.asarray(static, dtype=np.float64), K, 2 * np.pi * band)
+    if structure.clamps:  # where one gives, what it holds follows it, and its mass; the bend beside it no finer mesh would spread
+        size = np.concatenate([np.sqrt(np.maximum(np.diag(one.stiffness), LEAST)) for one in structure.clamps.values()])
+        pull, push = (
+            np.hstack([getattr(one, what)[free.free] for one in structure.clamps.values()]) / size for what in ("loads", "heavy")
+        )
+        solve, circular = (factor or factorise(K.tocsc(), definite=True)).solve, 2 * np.pi * band
+        static = np.asarray(solve(pull), dtype=np.float64)
+        static = np.hstack([static, circular**2 * np.asarray(solve(push - M @ static), dtype=np.float64)])
+        more = _beside(basis, static, K, circular)
         squares = np.pad((2 * np.pi * frequency) ** 2, (0, basis.shape[1] - len(frequency)))
         coarse = {} if structure.elements is None else _unresolved(structure.elements, free.expand(basis), squares)
         unsure = each(coarse, lambda share: np.pad(share, (0, more.shape[1])))
