@@ -19,7 +19,7 @@ from identification.campaign import Campaign
 from identification.quality import NORMAL_90
 from validation.compare.correlation import correlations
 from validation.diagnose import candidates, diagnosis, pendulum, search
-from validation.diagnose.everywhere import elsewhere, found_nodes, with_twins, without_a_name
+from validation.diagnose.everywhere import elsewhere, found_nodes, kind_of, with_twins, without_a_name
 from validation.diagnose.landmark_search import FromAfar, line_fit
 from validation.diagnose.mistakes import mistakes
 from validation.diagnose.next_test import advised
@@ -111,7 +111,7 @@ def diagnosed(
         unknown = right.tests and not right.made and not goodness_of_fit(at.fit, at.problem).null
         afar = FromAfar.search(right, menu, tell) if unknown else None
         placed = None
-        if afar is not None and every:
+        if afar is not None and every and any(map(kind_of, afar.best.effects)):
             with suppress(CheckFailed):
                 placed = placed_from_afar(right, afar, menu, tell, elsewhere)
         if placed is not None:

@@ -541,6 +541,12 @@ def _standing(problem: Problem, of: Fit, offsets: Mapping[str, float]) -> Fit:
     return replace(of, offsets=x, covariance=inverse(cost.total(x)[0].matrix))
 
 
+def kind_of(added: Added) -> str:
+    """Which of `KINDS` an effect is that may move to another node; empty for none."""
+    kind = ":".join((added.named.family, *added.named.targets[1:]))
+    return kind if kind in (MASS, *SPRINGS) and not added.fixed and added.named.value else ""
+
+
 def elsewhere(data: Study, rest: Candidate, there: Candidate) -> tuple[tuple[Study, Added, float], ...]:
     """The nodes at which the newest effect of `there`, a mass or a spring that `rest` has not, may explain most, with the study
     that is ready for all of them: the modes of what is sound do not hold how what carries a large mass bends.
@@ -550,8 +556,8 @@ def elsewhere(data: Study, rest: Candidate, there: Candidate) -> tuple[tuple[Stu
     bring more than it by what tells two explanations apart, and by what it costs to have looked at all: that [nats] is the third.
     """
     added = there.effects[-1]
-    kind, here = ":".join((added.named.family, *added.named.targets[1:])), added.named.target
-    if kind not in (MASS, *SPRINGS) or added.fixed or not added.named.value:
+    kind, here = kind_of(added), added.named.target
+    if not kind:
         return ()
     offsets = {**rest.problem.start, **{one: x for one, x in there.fit.by_name.items() if one in rest.problem.by_name}}
     without = replace(rest, fit=_standing(rest.problem, rest.fit, offsets))
@@ -577,14 +583,9 @@ def with_twins(data: Study, at: Candidate, steps: Sequence[SearchStep]) -> tuple
     """
     last, more = {one.added: one for one in steps}, list[SearchStep]()
     for one in at.effects:
-        kind, step = ":".join((one.named.family, *one.named.targets[1:])), last.get(one.named.id)
+        kind, step = kind_of(one), last.get(one.named.id)
         others = tuple(each for each in at.effects if each.named.id != one.named.id)
-        if (
-            kind not in (MASS, *SPRINGS)
-            or position(one.named.target) is None
-            or step is None
-            or len(step.at.effects) != len(others)
-        ):
+        if not kind or position(one.named.target) is None or step is None or len(step.at.effects) != len(others):
             continue
         there, rest = replace(at, effects=(*others, one)), replace(step.at, effects=others)
         searches = MeshSearch.in_place_of(data, there, rest.fit.cost - at.fit.cost)
