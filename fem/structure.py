@@ -48,25 +48,6 @@ class Carrier(Protocol):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Clamp:
-    """What the ground holds as one rigid body, and would take along if it gave.
-
-    Attributes
-    ----------
-    part : the part that is held there, or most of it
-    loads : (n, 6) force [N, N m] on each degree of freedom for a unit of the six motions of the body about its middle
-    stiffness : (6, 6) force on the body itself
-    heavy, mass : likewise (n, 6) and (6, 6) for a unit of its accelerations
-    """
-
-    part: str
-    loads: Array
-    stiffness: Array
-    heavy: Array
-    mass: Array
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
 class Structure:
     """Stiffness and mass, and how they follow their base.
 
@@ -89,7 +70,6 @@ class Structure:
     places : by name (3, n) sparse, what each degree of freedom moves there along x, y, z; a row is empty where nothing does
     sections : by shell or beam, the shares of `part_stiffness` that grow with the thickness and with its cube
     part_tolerances : by part, standard deviation, relative, of its "modulus", "density", "loss_factor" or "thickness"
-    clamps : by name of what the ground holds as one body, how its reactions answer
     geometric : by part (n, n) sparse, the stiffness that its weight gives or takes under standard gravity (`fem.gravity`)
     """
 
@@ -111,15 +91,10 @@ class Structure:
     places: Mapping[str, Sparse] = field(default_factory=lambda: MappingProxyType({}))
     sections: Mapping[str, tuple[Sparse, Sparse]] = field(default_factory=lambda: MappingProxyType({}))
     part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
-    clamps: Mapping[str, Clamp] = field(default_factory=lambda: MappingProxyType({}))
     geometric: Mapping[str, Sparse] = field(default_factory=lambda: MappingProxyType({}))
 
     def __post_init__(self) -> None:
         freeze(self, rigid=(self.mass.shape[0], 6), reference_point=(3,))
-
-    def held_part(self, joint: str) -> str:
-        """The name in `part_stiffness` that a joint has, or of what a clamp holds."""
-        return self.clamps[joint].part if joint in self.clamps else joint
 
     @property
     def free(self) -> Integers:

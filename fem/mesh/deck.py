@@ -14,6 +14,7 @@ import numpy as np
 
 from fem.mesh import coordinates, files
 from fem.mesh.deck_text import deck_lines, keyword_of, real
+from fem.mesh.description import SEAM
 from fem.mesh.files import MeshFile, cards, own_property, property_names
 from fem.user_model.units import KNOWN, UnitSystem, unit_system
 from geometry import toml_file
@@ -278,6 +279,28 @@ class Deck:
             if held := self.held[node] & able:
                 found.setdefault("" if held == able else "".join(sorted(held)), set()).add(node)
         return {directions: self._named(nodes) for directions, nodes in found.items()}
+
+    def clamps(self, held: Sequence[int | str]) -> dict[str, list[int | str]]:
+        """Nodes of each foot that is `held` altogether, by the name of a link that holds it, so that it may give.
+
+        A foot are nodes that elements join. None where one is a pin, which does not turn, or where they are more than a seam has.
+        """
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
+
+        nodes = np.flatnonzero(np.isin(self.mesh.node_tags, _numbers(self.mesh, [one for one in held if one not in self.links])))
+        pairs, count = [np.zeros((0, 2), dtype=np.intp)], len(self.mesh.node_tags)
+        for cells in self.mesh.cells.values() if len(nodes) else ():
+            element, which = np.nonzero(np.isin(cells.nodes, nodes))
+            pairs.append(np.column_stack([cells.nodes[element, which], count + element]))
+            count += len(cells.nodes)
+        every = np.vstack(pairs)
+        foot = connected_components(coo_array((np.ones(len(every)), every.T), shape=(count, count)), directed=False)[1]
+        feet = [self.mesh.node_tags[nodes[foot[nodes] == k]].tolist() for k in np.unique(foot[nodes])]
+        pins = [own for own in feet if len(own) == 1 and own[0] not in self.turning]
+        if pins or not 0 < len(feet) <= SEAM:
+            return {}
+        return {f"clamp-{k}" if len(feet) > 1 else "clamp": self._named(set(own)) for k, own in enumerate(feet, start=1)}
 
     def _named(self, nodes: set[int]) -> list[int | str]:
         """`nodes` by the links that they carry and the groups that they are, else by their numbers."""
@@ -668,7 +691,9 @@ def _directions(letters: str) -> str:
 
 def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
     holds = deck.supports()
-    interface = holds.pop("", [])
+    held = holds.pop("", [])
+    clamps = deck.clamps(held)
+    interface = [*clamps, *(one for one in held if not clamps or one in deck.links)]
     grounded = bool(holds) or any(len(ends) == 1 for ends, _ in deck.springs.values())
     pressure, density = system.mass / (system.length * system.time**2), deck.weight * system.mass / system.length**3
     mass, stiffness = deck.weight * system.mass, system.mass / system.time**2
@@ -714,6 +739,10 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
     for name, (node, riders) in deck.links.items():
         every = [*([node] if node in in_use and node not in _numbers(deck.mesh, riders) else []), *riders]
         joined.append((name, node, "nodes", every))
+    for name, foot in clamps.items():
+        middle = np.mean([points[node] for node in _numbers(deck.mesh, foot)], axis=0)
+        where = ", ".join(f'"{value * system.length:.12g} m"' for value in middle.tolist())
+        tables.append((f"links.{toml_file.string(name)}", {"at": f"[{where}]", "nodes": named(foot)}))
     joined += [(name, node, "mean_of", followed) for name, (node, followed) in deck.means.items()]
     for name, node, key, nodes in joined:
         where = ", ".join(f'"{value * system.length:.12g} m"' for value in points[node].tolist())

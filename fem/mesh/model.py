@@ -11,9 +11,10 @@ import numpy.typing as npt
 from fem.beam.elements import moduli, timoshenko
 from fem.mesh import description as described
 from fem.mesh import files, shells, solids
+from fem.mesh.description import SEAM
 from fem.mesh.places import LINE, ROD, Block, Elements, beam_axes, fitted
 from fem.solid import assembly, tetrahedra
-from fem.structure import Clamp, Sparse, Structure
+from fem.structure import Sparse, Structure
 from fem.user_model import description as text
 from fem.user_model import frame
 from geometry import toml_file
@@ -106,8 +107,8 @@ def structure(found: described.MeshDescription, mesh: files.MeshFile) -> Structu
         )
     _require_sound(found, points, blocks)
     elements, linked = _numbered(found, mesh.source, points, tags, blocks, sets)
+    stiffness, mass, sections = _assembled(elements)
     made = _Made(found=found, elements=elements, sets=sets)
-    stiffness, mass, sections, clamps = _assembled(elements, made.clamped())
     supports, joints = list[str](), list[str]()
     for name, spring in found.springs.items():
         ends = [made.motion(at, f"springs.{name}") for at in spring.at]
@@ -156,7 +157,6 @@ def structure(found: described.MeshDescription, mesh: files.MeshFile) -> Structu
         sections=sections,
         part_tolerances={name: part.tolerance for name, part in found.parts.items() if part.tolerance},
         elements=elements,
-        clamps=clamps,
     )
     made.require_stated(finished)
     return finished
@@ -434,11 +434,6 @@ class _Carrier:
     part: str = ""
 
 
-SEAM = 6
-"""[count] of links between the same parts, or a part and the ground, of which each may give by itself; more are a seam, which
-holds as a weld does. Held by tests/fem/mesh/test_mesh_structure.py."""
-
-
 def _carriers(found: described.MeshDescription, tags: Integers, blocks: Sequence[Block], sets: Sets) -> Iterator[_Carrier]:
     """Of every link itself, and of each part beyond the first that rides on it; of all where the ground holds it.
 
@@ -541,20 +536,11 @@ STEP = 1e-4
 """Relative change of a thickness for the derivative of a beam's stiffness, which is then right to its square."""
 
 
-def _assembled(
-    elements: Elements, clamped: Mapping[str, Array]
-) -> tuple[dict[str, Sparse], dict[str, Sparse], dict[str, tuple[Sparse, Sparse]], dict[str, Clamp]]:
-    """Stiffness and mass of each part, the shares of stiffness that grow with its thickness and with the cube of it, and clamps.
-
-    Parameters
-    ----------
-    clamped : by name (m, 6) what a clamp would move about its middle
-    """
+def _assembled(elements: Elements) -> tuple[dict[str, Sparse], dict[str, Sparse], dict[str, tuple[Sparse, Sparse]]]:
+    """Stiffness and mass of each part, and the shares of stiffness that grow with its thickness and with the cube of it."""
     stiffness, mass, sections = {}, {}, {}
-    moved = np.hstack([np.zeros((len(elements.own), 0)), *clamped.values()])
-    pulled, pushed, own = np.zeros(moved.shape), np.zeros(moved.shape), dict[str, Array]()
     for name, part in elements.parts.items():
-        kinds = {"K": _Sum(elements, moved), "M": _Sum(elements, moved), "linear": _Sum(elements), "cubic": _Sum(elements)}
+        kinds = {"K": _Sum(elements), "M": _Sum(elements), "linear": _Sum(elements), "cubic": _Sum(elements)}
         E, mu = moduli(part.material, name)
         nu, density = E / (2 * mu) - 1, part.material.density
         for block in elements.blocks:
@@ -593,19 +579,9 @@ def _assembled(
                         kinds["K"].add(dofs, share * (flat + bent))
                         kinds["M"].add(dofs, share * M)
         stiffness[name], mass[name] = kinds["K"].whole(), kinds["M"].whole()
-        if kinds["K"].aside is not None and kinds["M"].aside is not None:
-            pulled += kinds["K"].aside
-            pushed += kinds["M"].aside
-            own[name] = np.sum(moved * kinds["K"].aside, axis=0)
         if kinds["cubic"].there:
             sections[name] = kinds["linear"].whole(), kinds["cubic"].whole()
-    clamps = {}
-    for k, clamp in enumerate(clamped):
-        six = slice(6 * k, 6 * k + 6)
-        pull, push = ((elements.carried.T @ each[:, six], moved[:, six].T @ each[:, six]) for each in (pulled, pushed))
-        held = max(own, key=lambda name: float(np.sum(own[name][six])))
-        clamps[clamp] = Clamp(part=held, loads=pull[0], stiffness=pull[1], heavy=push[0], mass=push[1])
-    return stiffness, mass, sections, clamps
+    return stiffness, mass, sections
 
 
 def _batches(count: int, size: int) -> Iterator[slice]:
@@ -654,11 +630,8 @@ def _beams(elements: Elements, block: Block, part: described.PartTable) -> tuple
 class _Sum:
     """Element matrices added into one of the structure: lower halves, kept degrees of freedom only, links last."""
 
-    def __init__(self, elements: Elements, moved: Array | None = None) -> None:
+    def __init__(self, elements: Elements) -> None:
         self.elements = elements
-        self.moved = np.zeros((len(elements.own), 0)) if moved is None else moved
-        self.aside: Array | None = None  # what all of it pulls where what is held is moved
-        self.held: npt.NDArray[np.bool_] = np.any(self.moved != 0, axis=1)
         riding = np.diff(elements.carried.indptr) > 0
         self.linked = bool(np.any(riding & (elements.own < 0)))
         self.number = np.arange(len(elements.own)) if self.linked else elements.own
@@ -670,10 +643,6 @@ class _Sum:
         from scipy.sparse import coo_array
 
         self.there = True
-        if (touched := self.held[dofs].any(axis=1)).any():
-            pulled = blocks[touched] @ self.moved[dofs[touched]]
-            self.aside = np.zeros(self.moved.shape) if self.aside is None else self.aside
-            np.add.at(self.aside, dofs[touched].ravel(), pulled.reshape(-1, pulled.shape[2]))
         own = self.number[dofs].astype(np.int32)
         rows = np.broadcast_to(own[:, :, None], blocks.shape)
         columns = np.broadcast_to(own[:, None, :], blocks.shape)
@@ -723,23 +692,6 @@ class _Made:
     def interface(self) -> Integers:
         """Nodes that the base carries or the ground holds."""
         return _chosen(self.found, self.sets, self.elements.node_tags, self.found.interface, "interface")
-
-    def clamped(self) -> dict[str, Array]:
-        """What each clamp would move (m, 6) if it gave about its middle: each group that the ground holds, and nodes of none."""
-        found, first, turning = {}, self.elements.first, self.elements.turning
-        groups = dict[str, list[int | str]]()
-        for one in self.found.interface if self.found.support == "ground" else ():
-            if one not in self.found.links:
-                groups.setdefault(one if isinstance(one, str) else described.GROUND, []).append(one)
-        for name, of in groups.items():
-            nodes = _chosen(self.found, self.sets, self.elements.node_tags, of, "interface")
-            moved, middle = np.zeros((len(self.elements.own), 6)), self.elements.points[nodes].mean(axis=0)
-            for node in nodes.tolist():
-                count = 6 if turning[node] else 3
-                own = first[node] + np.arange(count)
-                moved[own] = rigid_transformation_6(self.elements.points[node] - middle)[:count]
-            found[name] = moved
-        return found
 
     @property
     def held(self) -> Integers:

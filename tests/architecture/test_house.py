@@ -43,7 +43,7 @@ supports are 650 and a file more; what a mesh turns into what, and losses named,
 at their own rate are 120; sizes of springs that no straight line tells, their limits and open intervals, 165; a structure
 condensed over the band of a test, by which a fit of response functions costs half of what it did, 130. Links between parts as
 joints that give are 80, rounded up for what comes beside them. Rods, holds and links in some directions, names that a deck's
-comments give, clamps that may give and faults that leave next to nothing are 430, and bearings far off and evidence told to its
+comments give, clamps of decks that may give and faults that leave next to nothing are 350, and bearings far off and evidence told to its
 end the last. The other bars are the same for old and new.
 """
 

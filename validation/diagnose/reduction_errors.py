@@ -187,14 +187,9 @@ def _changed(structure: Structure, named: Named) -> tuple[Sparse, Sparse]:
         more = value * (rows.T @ rows)
         K, M = (K, M + more) if named.family == "point-mass" else (K + more, M)
     elif named.family != "mass" and (springs := reduction.joint_springs(structure, what)) is not None:
-        d = MOTIONS.index(named.targets[1])
-        p = csr_array(springs[0][d].reshape(-1, 1))
-        gives = value / (1 + value * springs[1][d, d])
-        K = K - gives * (p @ p.T)
-        if what in structure.clamps:  # what gives takes its own mass along
-            clamp = structure.clamps[what]
-            q = csr_array(clamp.heavy[:, d].reshape(-1, 1))
-            M = M + gives**2 * clamp.mass[d, d] * (p @ p.T) - gives * (p @ q.T + q @ p.T)
+        p, k = (one[MOTIONS.index(named.targets[1])] for one in springs)
+        p = csr_array(p.reshape(-1, 1))
+        K = K - value / (1 + value * k) * (p @ p.T)
     if named.family in ("mass", "thickness") and what in structure.part_mass:
         M = M + value * structure.part_mass[what]
     return K, M

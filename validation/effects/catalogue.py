@@ -593,7 +593,7 @@ def trials() -> Mapping[str, Any]:
             places={name: _frozen(_drawn(3, n) + k) for k, name in enumerate(effect_types.built_in_places())},
             parts={name: _frozen(held / len(effect_types.PARTS)) for name in (*effect_types.PARTS, *OF_ONE_ARTICLE)},
             cog=np.array([0.01, -0.02, 0.3]),
-            joints={"bolt": JointSprings(loads=1e4 * _drawn(6, n), stiffness=1e6 * np.eye(6), trace=float(np.trace(held)))},
+            joints={"bolt": JointSprings(loads=1e4 * _drawn(6, n), stiffness=np.full(6, 1e6), trace=float(np.trace(held)))},
             geometric=_frozen(-1e-2 * held),
         ),
         effect_types.BODY_STAGE: MountedDynamicMass(

@@ -54,24 +54,17 @@ def each(shares: Mapping[str, Kept], change: Callable[[Kept], Changed]) -> Mappi
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class JointSprings:
-    """Springs between two parts, or what a clamp holds, along x, y, z and about them through a point.
+    """Springs between two parts, along x, y, z and about them through a point.
 
     Attributes
     ----------
     loads : (6, k) force [N] and moment [N m] across the joint for each coordinate
-    stiffness : (6, 6) of the springs, diagonal; of a clamp also what one motion pulls along another; zero where there is none
-    heavy, mass : (6, k) and (6, 6) the same for a unit of acceleration, where what gives has a mass of its own; else empty
-    part : the part whose share in the stiffness is the joint's; its own where there is no name
-    loss : loss factor of that part, where it is another
-    trace : of that share when `loads` were made; what the share has become since scales both
+    stiffness : (6,) of the springs, zero where there is none
+    trace : of the joint's share in the stiffness when `loads` were made; what the share has become since scales both
     """
 
     loads: Array
     stiffness: Array
-    heavy: Array = field(default_factory=lambda: np.zeros((0, 0)))
-    mass: Array = field(default_factory=lambda: np.zeros((0, 0)))
-    part: str = ""
-    loss: float = 0.0
     trace: float
 
 
@@ -92,7 +85,7 @@ class Matrices:
     cog : (3,) [m] of the article as drawn, from its origin
     part_mass : by name (k, k), the share of a part in `mass`; empty where it is not known
     supports : those of `parts` that are springs to the ground
-    joints : those of `parts` that are springs between two others, and clamps
+    joints : those of `parts` that are springs between two others
     sections : by name of a shell or beam, the shares of its stiffness that grow with the thickness and with its cube
     unresolved : by part of a mesh (k, k), by how much its stiffness is too high, as far as its strains tell
     shells : parts of shells
@@ -337,10 +330,7 @@ def with_resonators(stage: Matrices, place: str, axes: tuple[int, ...], values: 
         gradients={name: np.pad(rows, ((0, 0), (0, 0), (0, more))) for name, rows in stage.gradients.items()},
         parts=each(stage.parts, square),
         part_mass=each(stage.part_mass, square),
-        joints={
-            name: replace(one, loads=_grown(one.loads, 0, more), heavy=_grown(one.heavy, 0, more if one.heavy.size else 0))
-            for name, one in stage.joints.items()
-        },
+        joints={name: replace(one, loads=_grown(one.loads, 0, more)) for name, one in stage.joints.items()},
         sections=each(stage.sections, lambda both: (square(both[0]), square(both[1]))),
         unresolved=each(stage.unresolved, square),
         geometric=_grown(stage.geometric, more, more) if stage.geometric.size else stage.geometric,

@@ -265,7 +265,7 @@ def _on_shapes(
     squares = np.pad((2 * np.pi * frequency) ** 2, (0, shapes.shape[1] - n))
     if unresolved is None:
         unresolved = {} if structure.elements is None else _unresolved(structure.elements, free.expand(shapes), squares)
-    springs = {name: joint_springs(structure, name) for name in (*structure.joints, *structure.clamps)}
+    springs = {name: joint_springs(structure, name) for name in structure.joints}
     whole = free.expand(shapes) if any(springs.values()) else shapes
     return Matrices(
         base=0,
@@ -281,8 +281,7 @@ def _on_shapes(
             name: JointSprings(
                 loads=one[0] @ whole,
                 stiffness=one[1],
-                **_moving(structure, name, whole, damping),
-                trace=float(np.trace(_congruent(structure.part_stiffness[structure.held_part(name)], whole))),
+                trace=float(np.trace(_congruent(structure.part_stiffness[name], whole))),
             )
             for name, one in springs.items()
             if one is not None
@@ -544,24 +543,14 @@ def _springs(share: Sparse) -> Array | None:
     return found
 
 
-def _moving(structure: Structure, name: str, whole: Array, damping: Damping) -> dict[str, Any]:
-    """Mass, part and loss of what gives, of a clamp, on `whole` (n, k)."""
-    if (clamp := structure.clamps.get(name)) is None:
-        return {}
-    loss = damping.loss_factors.get(clamp.part, 0.0)
-    return {"heavy": clamp.heavy.T @ whole, "mass": clamp.mass, "part": clamp.part, "loss": loss}
-
-
 def joint_springs(structure: Structure, name: str) -> tuple[Array, Array] | None:
-    """What the joint `name` carries (6, n) for a unit of each degree of freedom, and its springs (6, 6); None where its sides
-    cannot be told.
+    """What the joint `name` carries (6, n) for a unit of each degree of freedom, and its six springs; None where its sides cannot
+    be told.
 
     The sides are the parts that its degrees of freedom belong to, or other joints where there is no part; a spring to the ground
     tells none. A joint of one side ties it to the ground. One side moved as a rigid body gives the 6x6 stiffness, whose centre is
-    where a push does not turn; springs are those along and about the axes there. A clamp carries what it would if it moved.
+    where a push does not turn; springs are those along and about the axes there.
     """
-    if name in structure.clamps:
-        return structure.clamps[name].loads.T, structure.clamps[name].stiffness
     K = structure.part_stiffness[name]
     own = np.flatnonzero(K.diagonal())
     telling = [part for part in structure.part_stiffness if part not in (name, *structure.supports)]
@@ -585,7 +574,7 @@ def joint_springs(structure: Structure, name: str) -> tuple[Array, Array] | None
     R = np.linalg.inv(rigid_transformation_6(centre))
     six = np.diag(R.T @ whole @ R)
     kept = six > SMALL * np.repeat([six[:3].max(), max(six[3:].max(), LEAST)], 3)
-    return np.where(kept[:, None], (loads @ R).T, 0.0), np.diag(np.where(kept, six, 0.0))
+    return np.where(kept[:, None], (loads @ R).T, 0.0), np.where(kept, six, 0.0)
 
 
 # A structure that no base carries: it stands on the ground, or floats.
@@ -643,7 +632,12 @@ class ReducedStructure:
         rows = _displacement(whole, free, NOWHERE, None)
         loads = np.vstack([row for name, row in rows.items() if name not in self.structure.places]).T
         static = factorise(A.tocsc(), definite=True).solve(loads)
-        more = _beside(shapes, np.asarray(static, dtype=np.float64), A, top)
+        own, whole_energy = shapes.T @ (A @ shapes), np.sum(static * (A @ static), axis=0).max(initial=LEAST)
+        for _ in range(2):  # once more, for what rounding leaves of it
+            static = static - shapes @ np.linalg.solve(own, shapes.T @ (A @ static))
+        energy, directions = np.linalg.eigh(static.T @ (A @ static))
+        kept = energy > SMALL * whole_energy  # what is there already leaves rounding alone
+        more = top * static @ (directions[:, kept] / np.sqrt(energy[kept]))
         basis, grown = np.hstack([shapes, more]), (0, more.shape[1])
         moves, coarse = np.pad(of.rigid, ((0, 0), grown)), each(of.unresolved, lambda share: np.pad(share, grown))
         return _on_basis(whole, self.band, self.damping, free, basis, rows, self.frequency, moves, of.cog, coarse)
@@ -653,16 +647,6 @@ class ReducedStructure:
         whole = self.structure
         moving = (np.any(self.basis[whole.translations.ravel()], axis=1).reshape(-1, 3) & (whole.translations >= 0)).any(axis=1)
         return whole.points[moving], whole.translations[moving]
-
-
-def _beside(shapes: Array, static: Array, A: Sparse, size: float) -> Array:
-    """What `static` (f, c) has beside `shapes` (f, k): orthogonal in A, of which each has the root `size`."""
-    own, whole = shapes.T @ (A @ shapes), np.sum(static * (A @ static), axis=0).max(initial=LEAST)
-    for _ in range(2):  # once more, for what rounding leaves of it
-        static = static - shapes @ np.linalg.solve(own, shapes.T @ (A @ static))
-    energy, directions = np.linalg.eigh(static.T @ (A @ static))
-    kept = energy > SMALL * whole  # what is there already leaves rounding alone
-    return np.asarray(size * static @ (directions[:, kept] / np.sqrt(energy[kept])))
 
 
 def by_itself(structure: Structure, band: float, *, damping: Damping | None = None) -> ReducedStructure:
@@ -704,20 +688,6 @@ def by_itself(structure: Structure, band: float, *, damping: Damping | None = No
     factor = None if rigid.size else pairs.factor
     del pairs, left  # of what floats the factors are others, and the first need not stay
     basis = bent_far(structure, free, np.hstack([vectors, rigid]), frequency, rows, band, soft, factor)
-    unsure = None
-    if structure.clamps:  # where one gives, what it holds follows it, and its mass; the bend beside it no finer mesh would spread
-        size = np.concatenate([np.sqrt(np.maximum(np.diag(one.stiffness), LEAST)) for one in structure.clamps.values()])
-        pull, push = (
-            np.hstack([getattr(one, what)[free.free] for one in structure.clamps.values()]) / size for what in ("loads", "heavy")
-        )
-        solve, circular = (factor or factorise(K.tocsc(), definite=True)).solve, 2 * np.pi * band
-        static = np.asarray(solve(pull), dtype=np.float64)
-        static = np.hstack([static, circular**2 * np.asarray(solve(push - M @ static), dtype=np.float64)])
-        more = _beside(basis, static, K, circular)
-        squares = np.pad((2 * np.pi * frequency) ** 2, (0, basis.shape[1] - len(frequency)))
-        coarse = {} if structure.elements is None else _unresolved(structure.elements, free.expand(basis), squares)
-        unsure = each(coarse, lambda share: np.pad(share, (0, more.shape[1])))
-        basis = np.hstack([basis, more])
     moves = np.zeros((6, basis.shape[1]))
     cog = np.zeros(3)
     if rigid.size and structure.rigid_mass[0, 0] > 0:
@@ -727,7 +697,7 @@ def by_itself(structure: Structure, band: float, *, damping: Damping | None = No
         n = len(frequency)
         T = np.linalg.inv(rigid_transformation_6(structure.reference_point))
         moves[:, n : n + rigid.shape[1]] = T @ directions[:, kept] / np.sqrt(square[kept])
-    return _on_basis(structure, band, damping, free, basis, rows, frequency, moves, cog, unsure)
+    return _on_basis(structure, band, damping, free, basis, rows, frequency, moves, cog)
 
 
 def _on_basis(

@@ -221,13 +221,12 @@ def with_faults(fine: Structure, laboratory: int, faults: Sequence[Fault]) -> tu
         if family == "connection-compliance":
             springs = reduction.joint_springs(fine, targets[0])
             assert springs is not None
-            d = MOTIONS.index(targets[1])
-            p, k, part = springs[0][d], springs[1][d, d], fine.held_part(targets[0])
+            p, k = springs[0][MOTIONS.index(targets[1])], springs[1][MOTIONS.index(targets[1])]
             at = np.flatnonzero(p)
             from scipy.sparse import csr_array
 
             column = csr_array((p[at], (at, np.zeros_like(at))), shape=(len(p), 1))
-            K[part] = K[part] - one.size / (1 + one.size * k) * (column @ column.T)
+            K[targets[0]] = K[targets[0]] - one.size / (1 + one.size * k) * (column @ column.T)
         elif family in ("point-mass", "cable"):
             rows = place_rows(fine, np.array(position(targets[0])))[0]
             if family == "point-mass":
