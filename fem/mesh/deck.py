@@ -20,7 +20,7 @@ from fem.user_model.units import KNOWN, UnitSystem, unit_system
 from geometry import toml_file
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
-from geometry.frames import Array, Integers
+from geometry.frames import Array
 
 ELASTIC, DENSE, SOUND = (1e6, 1.3e12), (5.0, 22_600.0), (30.0, 14_000.0)
 """Young's modulus [Pa], density [kg/m³] and speed of sound [m/s] between which materials lie, from soft rubber and foam to
@@ -148,6 +148,10 @@ class Deck:
             if set(self.riding[name]) >= (ALL if turning & set(_numbers(self.mesh, riders)) else TRANSLATIONS):
                 del self.riding[name]
         structural = self.numbers(1, 2, 3)
+        for name, directions in list(self.riding.items()):
+            if self.links[name][0] in structural:
+                del self.links[name], self.riding[name]
+                self.lose(name, f"it carries its nodes in {directions} alone, from a node of the structure itself")
         for name, (node, _) in list(self.means.items()):
             if node in structural or node in self.carriers:
                 del self.means[name]
@@ -263,12 +267,15 @@ class Deck:
     @property
     def turning(self) -> set[int]:
         """Numbers of the nodes that turn: of shells, and of beams but not of rods."""
-        rods = {name for name, one in self.properties.items() if set(one.section) == {"area"}}
-        straight = [index for name, kinds in self.mesh.groups.items() if name not in rods for index in self._lines(kinds)]
-        return self.numbers(2) | {int(node) for nodes in straight for node in self.mesh.node_tags[np.unique(nodes)].tolist()}
-
-    def _lines(self, kinds: Mapping[str, Integers]) -> list[Integers]:
-        return [self.mesh.cells[kind].nodes[index] for kind, index in kinds.items() if kind in files.BEAMS]
+        found = self.numbers(2)
+        for kind in files.BEAMS:
+            if kind in self.mesh.cells:
+                bends = np.ones(len(self.mesh.cells[kind].tags), dtype=bool)
+                for name, one in self.properties.items():
+                    if set(one.section) == {"area"}:
+                        bends[self.mesh.groups.get(name, {}).get(kind, [])] = False
+                found |= set(self.mesh.node_tags[np.unique(self.mesh.cells[kind].nodes[bends])].tolist())
+        return found
 
     def supports(self) -> dict[str, list[int | str]]:
         """What is held, by the directions, such as "13", in which it is; under "" what is held in all in which it could move."""

@@ -379,10 +379,12 @@ def property_names(path: Path) -> dict[str, str]:
             found[number] = name
         elif match := _NAMED_NEXT.match(text):
             following = next(one for one in match.groups() if one is not None).strip()
-        elif following and re.match(r"P[A-Z]", text):
+        elif following and re.match(r"P(?!ARAM)[A-Z]", text):
             found[re.split(r"[,\s]+", text.replace("*", " "))[1]], following = following, ""
+    found = {number: re.sub(r"[:=,@]+", "-", name) for number, name in found.items()}  # which stand between parts of an effect
     every = list(found.values())
-    return {number: name for number, name in found.items() if name and not name.isdigit() and every.count(name) == 1}
+    named = {number: name for number, name in found.items() if name and every.count(name) == 1}
+    return {number: name for number, name in named.items() if not re.fullmatch(r"(\w+ )?\d+", name)}
 
 
 _WORDS = ("points", "lines", "faces", "volumes")

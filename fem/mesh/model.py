@@ -395,10 +395,8 @@ def _numbered(
             if np.isin(held, riding).any():
                 raise found.refused(f"holds.{name}", f"node {tags[node]} rides on a link", "Hold the link instead")
             keep[held] = False
-    turned = _welded(points, blocks, first, turning & keep[first + np.where(turning, 3, 0)])
-    if not keep[turned.rows].all():
-        problem = "a node turns with the solids around it, and is held or rides in some rotations"
-        raise found.refused("holds", problem, "Hold it in translations, or in all rotations")
+    rotations = np.where(turning, first, 0)[:, None] + SIX[3:]
+    turned = _welded(points, blocks, first, turning & keep[rotations].any(axis=1)).where(keep)
     keep[turned.rows] = False
     own_dofs = np.where(keep, np.cumsum(keep) - 1, -1)
     if not keep.all():
@@ -471,6 +469,12 @@ class _Welded:
 
     rows: Integers
     entries: tuple[Integers, Integers, Array]
+
+    def where(self, free: npt.NDArray[np.bool_]) -> "_Welded":
+        """Those of rotations that are `free` (m,); the others are held, or ride on a link."""
+        r, c, v = self.entries
+        kept = free[r]
+        return _Welded(rows=self.rows[free[self.rows]], entries=(r[kept], c[kept], v[kept]))
 
     def matrix(self, size: int) -> Sparse:
         from scipy.sparse import coo_array
@@ -697,7 +701,7 @@ class _Made:
     def held(self) -> Integers:
         """Degrees of freedom that the base carries."""
         own = _own(self.elements)[self.interface]
-        lost = self.interface[own[:, 0] < 0]
+        lost = self.interface[(own[:, :3] < 0).any(axis=1)]
         if len(lost):
             problem = f"node {self.elements.node_tags[lost[0]]} rides on a link"
             raise self.found.refused("interface", problem, "Let the base carry the link instead")

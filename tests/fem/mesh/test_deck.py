@@ -637,3 +637,62 @@ def test_a_part_is_called_what_the_deck_calls_its_property(comment: str, tmp_pat
     for text in (written, written.replace('"wall plate"', '"1"')):
         (tmp_path / "one.toml").write_text(text)
         assert model.load(tmp_path / "one.toml")[1].mass.shape == (18, 18)  # and the clamp
+
+
+def test_a_name_changes_nothing_but_the_name(tmp_path: Path) -> None:
+    """Rods whose property has a name turn no node; what stands between the parts of an effect's name is no part of one."""
+    lines = ["BEGIN BULK", "GRID,1,,0.,0.,0.", "GRID,2,,300.,0.,0.", "GRID,3,,0.,400.,300.", STEEL, "PROD,1,1,40."]
+    lines += ["CROD,1,1,1,3", "CROD,2,1,2,3", "SPC1,1,123,1,2", "SPC1,1,3,3", "CONM2,9,3,,.1", "ENDDATA", ""]
+    written = []
+    for comment in ("", '$HMNAME PROP 1"web: left=1"', '$HMNAME PROP 1"CONM2 9"'):
+        (tmp_path / "one.bdf").write_text("\n".join([*lines[:5], comment, *lines[5:]]))
+        text, lost = deck.described(tmp_path / "one.bdf")
+        assert lost == ()
+        (tmp_path / "one.toml").write_text(text)
+        assert model.load(tmp_path / "one.toml")[1].mass.shape == (2, 2)
+        written.append(text)
+    assert written[1].replace('"web- left-1"', '"1"') == written[0] == written[2]
+
+
+def test_a_rigid_link_in_some_directions_from_the_structure_itself_is_lost(tmp_path: Path) -> None:
+    """Its own node would move with it altogether, and the others in some directions alone."""
+    (tmp_path / "one.bdf").write_text("\n".join([*PLATE, "RBE2,9,3,123,4", "ENDDATA", ""]))
+    assert deck.described(tmp_path / "one.bdf")[1] == (
+        "RBE2 9: it carries its nodes in 123 alone, from a node of the structure itself",
+    )
+
+
+def test_a_fin_on_solids_stays_welded_where_it_is_held_in_one_rotation(tmp_path: Path) -> None:
+    """Held about one axis it is stiffer, not loose about the others."""
+    number = {(i, j, k): 1 + i + 3 * j + 9 * k for k in range(2) for j in range(3) for i in range(3)}
+    lines = ["BEGIN BULK", STEEL, "PSOLID,1,1", "PSHELL,2,1,5.,1,,1", "SPC1,1,123,1,THRU,9"]
+    lines += [f"GRID,{n},,{100.0 * i},{100.0 * j},{100.0 * k}" for (i, j, k), n in number.items()]
+    for i, j in product(range(2), range(2)):
+        ring = [number[i + a, j + b, k] for k in (0, 1) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        lines.append(card("CHEXA", 10 + 2 * i + j, 1, *ring))
+    fin = {(j, k): 100 + j + 3 * k for k in (1, 2) for j in range(3)} | {(j, 0): number[1, j, 1] for j in range(3)}
+    lines += [f"GRID,{fin[j, k]},,100.,{100.0 * j},{100.0 + 100.0 * k}" for k in (1, 2) for j in range(3)]
+    lines += [
+        f"CQUAD4,{20 + 2 * k + j},2,{fin[j, k]},{fin[j + 1, k]},{fin[j + 1, k + 1]},{fin[j, k + 1]}"
+        for k, j in product(range(2), range(2))
+    ]
+    found = []
+    for letters in ("", "4", "46", "456"):
+        held = [f"SPC1,1,{letters},{','.join(str(fin[j, 0]) for j in range(3))}"] if letters else []
+        (tmp_path / "one.bdf").write_text("\n".join([*lines, *held, "ENDDATA", ""]))
+        text, lost = deck.described(tmp_path / "one.bdf")
+        assert lost == ()
+        (tmp_path / "one.toml").write_text(text)
+        made = model.load(tmp_path / "one.toml")[1]
+        found.append(lowest(made.stiffness, made.mass, 1).values[0])
+    assert (np.diff(found) > -1e-9 * found[0]).all()
+    assert found[0] > (2 * np.pi * 90) ** 2
+
+
+def test_a_base_carries_no_node_that_rides_on_a_link_in_any_direction(tmp_path: Path) -> None:
+    (tmp_path / "one.bdf").write_text("\n".join([*PLATE, "ENDDATA", ""]))
+    written = re.sub("(?m)^(support|interface) = .*\n", "", deck.described(tmp_path / "one.bdf")[0])
+    more = '[fe_model]\ninterface = [1, 2, 3]\nlinks.b = { at = ["0 m", "0 m", "1 m"], nodes = [3, 4], directions = ["z"] }\n'
+    (tmp_path / "one.toml").write_text(written.replace("[fe_model]\n", more).partition('[fe_model.links."clamp"]')[0])
+    with pytest.raises(BadInput, match="node 3 rides on a link"):
+        model.load(tmp_path / "one.toml")
