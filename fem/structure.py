@@ -113,6 +113,13 @@ class Structure:
         return np.asarray((M + M.T) / 2)
 
 
+def at_freedoms(values: Array, freedoms: Integers) -> Array:
+    """`values` (n, ...) at `freedoms` of any shape, as a structure's `translations` are; 0 where these are -1, held."""
+    found = values[freedoms]
+    found[freedoms < 0] = 0.0
+    return found
+
+
 def rigid_motion(points: npt.ArrayLike, reference_point: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Array:
     """All six motions of `points` (p, 3) [m] that ride on the reference point; shape (6 p, 6), point by point (Eq. 3)."""
     offsets = np.asarray(points, dtype=np.float64) - np.asarray(reference_point, dtype=np.float64)

@@ -15,7 +15,7 @@ import numpy as np
 from fem.mesh import coordinates, files
 from fem.mesh.deck_text import deck_lines, keyword_of, real
 from fem.mesh.description import SEAM
-from fem.mesh.files import MeshFile, cards, own_property, property_names
+from fem.mesh.files import MeshFile, cards, own_property
 from fem.user_model.units import KNOWN, UnitSystem, unit_system
 from geometry import toml_file
 from geometry.dynamic_mass import MOTIONS
@@ -304,7 +304,8 @@ class Deck:
         every = np.vstack(pairs)
         foot = connected_components(coo_array((np.ones(len(every)), every.T), shape=(count, count)), directed=False)[1]
         feet = [self.mesh.node_tags[nodes[foot[nodes] == k]].tolist() for k in np.unique(foot[nodes])]
-        pins = [own for own in feet if len(own) == 1 and own[0] not in self.turning]
+        turning = self.turning
+        pins = [own for own in feet if len(own) == 1 and own[0] not in turning]
         if pins or not 0 < len(feet) <= SEAM:
             return {}
         return {f"clamp-{k}" if len(feet) > 1 else "clamp": self._named(set(own)) for k, own in enumerate(feet, start=1)}
@@ -707,7 +708,6 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
     scale = {"area": 2, "Iy": 4, "Iz": 4, "J": 4}
     unit = {1: "m", 2: "m^2", 4: "m^4"}
     tables: list[tuple[str, dict[str, str]]] = []
-    called = property_names(path) if deck.mesh.coordinates is not None else {}
     for name, one in deck.properties.items():
         if name not in deck.mesh.groups:
             continue
@@ -731,7 +731,7 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
             ]
             keys += [f"z_axis = [{', '.join(f'{value:.9g}' for value in one.z_axis)}]"] if one.z_axis else []
             table["section"] = f"{{ {', '.join(keys)} }}"
-        tables.append((f"parts.{toml_file.string(called.get(name, name))}", table))
+        tables.append((f"parts.{toml_file.string(deck.mesh.called.get(name, name))}", table))
     carriers = {**{node: name for name, (node, _) in deck.means.items()}, **deck.carriers}
     in_use = deck.numbers(1, 2, 3)
     points = dict(zip(deck.mesh.node_tags.tolist(), deck.mesh.points, strict=True))

@@ -63,6 +63,7 @@ class MeshFile:
     groups : indices of elements by name and kind
     node_groups : indices of nodes by name, of sets of nodes; groups of elements have their nodes beside
     coordinates : systems and grid points as a deck of Nastran writes them; None of others
+    called : names that comments of such a deck give its properties, by their numbers
     """
 
     source: str
@@ -72,6 +73,7 @@ class MeshFile:
     groups: Mapping[str, Mapping[str, Integers]]
     node_groups: Mapping[str, Integers] = field(default_factory=dict)
     coordinates: Coordinates | None = None
+    called: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def names(self) -> list[str]:
@@ -135,6 +137,7 @@ class _Raw:
     groups: dict[str, list[int]]
     node_groups: dict[str, list[int]]
     coordinates: Coordinates | None = None
+    called: Mapping[str, str] = field(default_factory=dict)
 
     def numbered(self, source: str) -> MeshFile:
         tags = np.array(sorted(self.nodes), dtype=np.intp)
@@ -179,6 +182,7 @@ class _Raw:
             groups=groups,
             node_groups={name: members for name, members in sets.items() if len(members)},
             coordinates=self.coordinates,
+            called=self.called,
         )
 
 
@@ -355,9 +359,10 @@ def _nastran(path: Path, left_out: LeftOut) -> _Raw:
         top = max(dimension[tag] for tag in members)
         for tag in members:
             apart.setdefault(name if dimension[tag] == top else f"{name} {_WORDS[dimension[tag]]}", []).append(tag)
-    apart |= {name: list(apart[number]) for number, name in property_names(path).items() if number in apart and name not in apart}
+    called = _property_names(path)
+    apart |= {name: list(apart[number]) for number, name in called.items() if number in apart and name not in apart}
     nodes = {number: where.place(number) for number in where.grids}
-    return _Raw(nodes=nodes, elements=elements, groups=apart, node_groups={}, coordinates=where)
+    return _Raw(nodes=nodes, elements=elements, groups=apart, node_groups={}, coordinates=where, called=called)
 
 
 _NAMED = re.compile(
@@ -369,7 +374,7 @@ _NAMED_NEXT = re.compile(r"\$ (?:Elements and )?Element Properties for region : 
 """Comments of Patran and Simcenter, which name the property that comes next."""
 
 
-def property_names(path: Path) -> dict[str, str]:
+def _property_names(path: Path) -> dict[str, str]:
     """Names of the properties of a deck of Nastran by their numbers, of those that its comments name like no other."""
     found, following = dict[str, str](), ""
     for line in deck_lines(path):

@@ -362,7 +362,7 @@ def _numbered(
     rows, columns, values = [], [], []
     joints: dict[str, tuple[int, int]] = {}
     for carrier, one in enumerate(carriers, start=own):
-        directions, moved = found.links[one.link].directions, np.zeros((1, 6))
+        directions, moved = found.links[one.link].directions, np.zeros(6)
         for rider in one.riders.tolist():
             ways = np.array([way for way in directions if way < count[rider]])
             ridden = first[rider] + ways
@@ -371,28 +371,29 @@ def _numbered(
                 raise found.refused(f"links.{one.link}", problem, "Let a node ride on one link only")
             keep[ridden] = False
             T = rigid_transformation_6(points[rider] - points[carrier])[ways]
-            moved = np.vstack([moved, T])
+            moved = np.maximum(moved, np.abs(T).max(axis=0))
             rows.append(np.repeat(ridden, 6))
             columns.append(np.tile(first[carrier] + SIX, len(ways)))
             values.append(T.ravel())
         if len(directions) < len(SIX):  # what moves nothing that rides is held
-            keep[first[carrier] + SIX[np.abs(moved).max(axis=0) <= LEVEL * np.ptp(points, axis=0).max()]] = False
+            keep[first[carrier] + SIX[moved <= LEVEL * np.ptp(points, axis=0).max()]] = False
         if one.part:
             joints[f"{one.link}@{one.part}"] = int(sets[one.link][0]), carrier
         else:
             sets[one.link] = np.array([carrier], dtype=np.intp)
     carried = eye_array(size, format="csr")
-    riding = np.concatenate([np.zeros(0, dtype=np.intp), *rows])
+    rides = np.zeros(size, dtype=bool)
+    rides[np.concatenate([np.zeros(0, dtype=np.intp), *rows])] = True
     if found.support == "ground":
         for node in _chosen(found, sets, tags, found.interface, "interface").tolist():
             ground = first[node] + np.arange(count[node])
-            if np.isin(ground, riding).any():
+            if rides[ground].any():
                 raise found.refused("interface", f"node {tags[node]} rides on a link", "Hold the link instead")
             keep[ground] = False
     for name, hold in found.holds.items():
         for node in _chosen(found, sets, tags, hold.nodes, f"holds.{name}.nodes").tolist():
             held = first[node] + np.array([way for way in hold.directions if way < count[node]], dtype=np.intp)
-            if np.isin(held, riding).any():
+            if rides[held].any():
                 raise found.refused(f"holds.{name}", f"node {tags[node]} rides on a link", "Hold the link instead")
             keep[held] = False
     rotations = np.where(turning, first, 0)[:, None] + SIX[3:]

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from fem.structure import position_of
+from fem.structure import at_freedoms, position_of
 from geometry.articles import NAMES, changes_of
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
@@ -329,7 +329,7 @@ class ShownStructure:
         basis = self.whole.basis
         swing = basis @ modes.shapes[: basis.shape[1], number]
         at = [self.whole.structure.places[one.place] @ swing for one in self.points]
-        return np.where(self.moved < 0, 0.0, swing[self.moved]), np.array(at).reshape(-1, 3)
+        return at_freedoms(swing, self.moved), np.array(at).reshape(-1, 3)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

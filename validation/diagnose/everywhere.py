@@ -20,7 +20,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.structure import Structure
+from fem.structure import Structure, at_freedoms
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import CheckFailed
 from geometry.frames import Array, Integers
@@ -225,8 +225,7 @@ class MeshSearch:
 
     def rows(self, nodes: slice | Integers) -> Array:
         """(q, 3, k) what each coordinate moves some `nodes` along x, y, z."""
-        moved = self.moved[nodes]
-        return np.where((moved < 0)[..., None], 0.0, self.whole.basis[moved])
+        return at_freedoms(self.whole.basis, self.moved[nodes])
 
     def scores(self) -> NodeScores:
         """Of every node."""

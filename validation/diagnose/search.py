@@ -242,7 +242,7 @@ def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: 
     if view.marks and view.far:
         nearest = [(0.5 * one.chi2, one.effects[0], {}) for one in view.nearest(asked, FITS_OF_A_STEP)]
     else:
-        nearest = _nearest_by_lines(data, at, asked)
+        nearest = _nearest_by_lines(data, at, asked, progress)
     tried, least = list[CandidateFit](), inf
     for cost, added, begin in nearest[:FEW]:
         if any(one.goodness.null for one in tried) and cost > least + INDISTINGUISHABLE_NATS:
@@ -259,11 +259,14 @@ def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: 
     return SearchStep(at=at, goodness=here, screened=screen(data, at, menu), tried=tuple(tried), added=best)
 
 
-def _nearest_by_lines(data: Study, at: Candidate, asked: Sequence[Added]) -> list[tuple[float, Added, dict[str, float]]]:
+def _nearest_by_lines(
+    data: Study, at: Candidate, asked: Sequence[Added], progress: "Progress"
+) -> list[tuple[float, Added, dict[str, float]]]:
     """Cost, effect and offsets of those that come nearest along few lines over a coarse floor, the best first."""
     nearest: list[tuple[float, Added, dict[str, float]]] = []
     without = child(at.problem.sparser(STRIDE), PLAIN, at.fit, _declared(at.problem, at.fit), floor=COARSE[0])
-    for added in asked:
+    for done, added in enumerate(asked):
+        progress("looking from afar for what keeps the model from converging", done / len(asked))
         problem = data.problem((*at.effects, added)).sparser(STRIDE)
         (which,) = (name(added.named, size.key) for size in added.named.fitted_sizes)
         size, enough = problem.by_name[which], nearest[FEW - 1][0] if len(nearest) >= FEW else inf

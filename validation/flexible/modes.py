@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.modes import Modes
-from fem.structure import Sparse, Structure, hold
+from fem.structure import Sparse, Structure, at_freedoms, hold
 from geometry.article import Article, Box, Part
 from geometry.frames import Array, Integers
 from validation.flexible.model import Flexible, distance, family, nearest_part
@@ -61,7 +61,7 @@ def has_rotations(structure: Structure) -> bool:
 
 def node_displacement(structure: Structure, shapes: Array) -> Array:
     """Displacement (p, 3, m) of the structure's own points in `shapes` (N, m)."""
-    return np.where((structure.translations < 0)[..., None], 0.0, shapes[structure.translations])
+    return at_freedoms(shapes, structure.translations)
 
 
 def _with_section(structure: Structure, shapes: Array, part: Part, points: Array) -> Array:
@@ -145,7 +145,6 @@ def described(structure: Structure, modes: Modes, article: Article | None) -> tu
     shares = [_sorted({name: float(share[r]) for name, share in strain.items()}) for r in range(len(modes.frequency))]
     if not len(structure.points):
         return tuple(_strained(f, one) for f, one in zip(modes.frequency, shares, strict=True))
-    energy = modes.shapes * (structure.mass @ modes.shapes)
     u = node_displacement(structure, modes.shapes)
     # Names of the parts, and for each point the index of its own: by the drawing, else by whose stiffness holds the point
     if article is not None:
@@ -158,8 +157,8 @@ def described(structure: Structure, modes: Modes, article: Article | None) -> tu
     elif not structure.part_stiffness:
         names, owner = [""], np.zeros(len(structure.points), dtype=np.intp)
     else:
-        rows = np.maximum(structure.translations, 0)
-        held = np.array([K.diagonal()[rows].sum(axis=1) for K in structure.part_stiffness.values()])
+        diagonals = (K.diagonal() for K in structure.part_stiffness.values())
+        held = np.array([at_freedoms(each, structure.translations).sum(axis=1) for each in diagonals])
         names = list(structure.part_stiffness)
         tying = np.isin(names, (*structure.supports, *structure.joints))[:, None]
         owner = np.argmax(np.where(tying & held[~tying[:, 0]].any(axis=0), 0.0, held), axis=0)
@@ -169,7 +168,8 @@ def described(structure: Structure, modes: Modes, article: Article | None) -> tu
         whole = {name: each.sum(axis=0) for name, each in moved.items()}
         along = {name: (structure.rigid[:, :3] ** 2).T @ each for name, each in moved.items()}
     else:
-        energies, rows = _by_point(structure, energy), energy[structure.translations]
+        energy = modes.shapes * (structure.mass @ modes.shapes)
+        energies, rows = _by_point(structure, energy), at_freedoms(energy, structure.translations)
         whole = {name: energies[owner == k].sum(axis=0) for k, name in enumerate(names)}
         along = {name: rows[owner == k].sum(axis=0) for k, name in enumerate(names)}
     own = {name: owner == k for k, name in enumerate(names)}
