@@ -137,13 +137,13 @@ def misfit(of: Readings, values: ComplexArray, noise: Array) -> Misfit:
         # Mean squares (v,) of what H has that no body has and that no structure has, and the price of a negative mass
         found = _entries(motion, load)
         H, sd = found.matrix, found.deviation
-        lowest = np.diagonal(H[:, 0], axis1=1, axis2=2).real
-        negative = np.any(lowest <= 0, axis=1)
+        elastic = elasticity(of, H)
+        negative = np.any(np.diagonal((H.real + elastic)[:, 0], axis1=1, axis2=2) <= 0, axis=1)
         # Mean square (v,) of H (v, n, 6, 6) less its transpose, which elasticity leaves alone
         j, k = np.triu_indices(6, 1)
         unsymmetric = _mean_square((H[..., j, k] - H[..., k, j]) / np.hypot(sd[..., j, k], sd[..., k, j]))
         # Mean square (v,) of what the best mass matrix of Eq. 1 leaves of H
-        weight = 1 / np.hypot(sd, elasticity(of, H)).reshape(len(H), -1)
+        weight = 1 / np.hypot(sd, elastic).reshape(len(H), -1)
         rows, b = np.tile(BASIS.reshape(10, 36).T, (H.shape[1], 1)) * weight[..., None], H.reshape(len(H), -1) * weight
         p = np.linalg.pinv(rows) @ b.real[..., None]
         third = np.asarray(np.maximum(_mean_square(b - (rows @ p)[..., 0]), unsymmetric) + NEGATIVE * negative)
@@ -166,11 +166,22 @@ def deviation(of: Readings) -> Array:
 
 
 def elasticity(of: Readings, H: ComplexArray) -> Array:
-    """What |H| (..., n, 6, 6) may hold beyond a body: it grows with omega², by what is seen from the first line to the last."""
+    """What |H| (..., n, 6, 6) may hold beyond a body, by what is seen from the first line to the last.
+
+    Below the modes it grows with omega², the steeper the nearer they are. Where it does not, a mode lies among the lines or below
+    them, and it is twice the most that H changes: a mode just below makes H as large as it changes. Wrong signs, exchanges and
+    units are the same at every line, and change nothing.
+    """
     if len(of.omega) < 2:
         return np.zeros(H.shape)
-    first, last = of.omega[[0, -1]] ** 2
-    return np.asarray(np.abs(H[..., -1:, :, :] - H[..., :1, :, :]) * (of.omega**2 / (last - first))[:, None, None])
+    square = of.omega**2
+    change = np.abs(H[..., -1:, :, :] - H[..., :1, :, :])
+    allowed = np.asarray(change * (square / (square[-1] - square[0]))[:, None, None])
+    slope = np.diff(H, axis=-3) / np.diff(square)[:, None, None]
+    first, last = slope[..., :1, :, :], slope[..., -1:, :, :]
+    steeper = (np.abs(last) >= np.abs(first)) & ((first * last.conj()).real >= 0)
+    pairs = [np.abs(H[..., [j], :, :] - H[..., [k], :, :]) for j, k in combinations(range(len(square)), 2)]
+    return np.where(steeper, allowed, np.maximum(allowed, 2 * np.max(pairs, axis=0)))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -526,7 +537,8 @@ def checks(
         raise BadInput(source="closed checks", field="frequency", problem=problem, remedy="Give it at the lines of the spectra")
     of = readings(spectra, tolerances, gravity)
     H, sd = dynamic_mass.matrix[of.lines], deviation(of)
-    rigid = np.hypot(sd, elasticity(of, H))
+    elastic = elasticity(of, H)
+    rigid = np.hypot(sd, elastic)
     departures = [
         (f"{LOADS[j]} by {MOTIONS[k]}", H[:, j, k] - H[:, k, j], np.hypot(sd[:, j, k], sd[:, k, j])) for j, k in _pairs(range(6))
     ]
@@ -550,7 +562,7 @@ def checks(
     coupling = _finding(
         "coupling", "the coupling of forces and rotations is skew", "the coupling is not skew in {}", [*own, *skew]
     )
-    lowest = np.diagonal(H[0]).real / np.diagonal(sd[0])
+    lowest = np.diagonal(H[0].real + elastic[0]) / np.diagonal(sd[0])
     negative = [MOTIONS[k] for k in np.flatnonzero(lowest <= 0).tolist()]
     text = f"the diagonal is negative for {', '.join(negative)}" if negative else "the diagonal is positive"
     diagonal = Finding(name="diagonal", holds=not negative, value=float(max(0.0, -lowest.min())), text=text)
