@@ -147,3 +147,11 @@ def test_the_page_shows_the_table_that_the_data_gives(root, number, article):
     said = published.published(article)
     given = ReferenceTable(article=article, columns=said.statements, footnotes=said.footnotes)
     assert shown.group(1).strip() == reference.markdown_render(given).strip()
+
+
+def test_a_cell_of_several_lines_takes_the_width_of_its_longest_and_each_line_ends_where_its_column_does():
+    """The list of effects was cut to "act..." and split in two, since such a cell counted as one long line."""
+    grid = document.Grid(header=("id", "from to"), lines=(("a", "0 to 1"), ("b", "1 to 100 kg\n1 to 10 Hz\n0 to 1"), ("c", "0")))
+    assert len(document.parts(grid, 20)) == 1
+    ends = {len(line) for line in document.page("", (grid,), width=40).splitlines() if line.strip() and "─" not in line}
+    assert len(ends) == 1

@@ -470,8 +470,8 @@ def page(
             table, columns = RichTable(box=box.SIMPLE_HEAD, pad_edge=False), []
             for k, column in enumerate(zip(part.header, *part.lines, strict=True)):
                 # Padded here: rich strips what it justifies to the right, and with it the spaces that line the decimal points up.
-                least = 0 if k in part.left else max(len(cell) for cell in column)
-                columns.append([f"{cell:>{least}}" for cell in column])
+                least = 0 if k in part.left else max(map(across, column))
+                columns.append(["\n".join(f"{line:>{least}}" for line in cell.split("\n")) for cell in column])
                 table.add_column(Text(columns[k][0]), no_wrap=k == 0 or k not in part.left)
             for line in list(zip(*columns, strict=True))[1:]:
                 table.add_row(*(Text(cell) for cell in line))
@@ -480,6 +480,11 @@ def page(
             if note not in wrong:
                 console.print(Padding(Text(note), (0, 0, 0, 2)))
     return "\n".join(line.rstrip() for line in capture.get().splitlines()) + "\n"
+
+
+def across(cell: str) -> int:
+    """Columns of the terminal that `cell` takes, which may have several lines."""
+    return max(map(len, cell.split("\n")))
 
 
 def parts(grid: Grid, width: int) -> list[Grid]:
@@ -491,7 +496,7 @@ def parts(grid: Grid, width: int) -> list[Grid]:
 
     def needed(columns: list[tuple[str, ...]], words: bool) -> int:
         """Columns of the terminal, with the verdict at its narrowest."""
-        widths = [max(map(len, column)) for column in columns]
+        widths = [max(map(across, column)) for column in columns]
         if words:
             widths[-1] = min(widths[-1], VERDICT)
         return sum(widths) + GAP * (len(widths) - 1) + 2
