@@ -760,12 +760,15 @@ def _tested(model: Model, said: dict[str, Any], prefix: str, held: Any) -> Teste
     """A campaign from its kept spectra: `said` of the head, and the arrays of that `prefix`."""
     campaign = campaign_file.read_description(said["source"])
     words: dict[str, Any] = _tuples(said["words"])
+    measured = Measured(**words, **{name: held[prefix + name] for name in said["arrays"]})
     drives = zip(*(held[prefix + name] for name in DRIVE), strict=True)
     return TestedCampaign(
         model=model,
         campaign=replace(campaign, warnings=tuple(said["warnings"])),
-        measured=Measured(**words, **{name: held[prefix + name] for name in said["arrays"]}),
-        carried=series.supported_dynamic_mass(model, campaign, mounted_article(model, campaign), words["name"]),
+        measured=measured,
+        carried=series.supported_dynamic_mass(
+            model, campaign, mounted_article(model, campaign, measured.frequency[-1]), measured.name
+        ),
         drives=tuple(BaseDrive(amplitude=a, nominal=n, sweep_rate=float(r), block=float(b)) for a, n, r, b in drives),
         per_rms=held[prefix + "per_rms"],
         method=said["method"],

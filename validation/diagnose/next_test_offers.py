@@ -241,7 +241,7 @@ def planned(of: Template, campaign: Campaign, *, frequency: Array | None = None,
         was,
         campaign=replace(campaign, recordings={}),
         measured=unread,
-        carried=supported_dynamic_mass(was.model, campaign, mounted_article(was.model, campaign), unread.name),
+        carried=supported_dynamic_mass(was.model, campaign, mounted_article(was.model, campaign, lines[-1]), unread.name),
         drives=drives,
     )
     inputs = level * of.inputs[:, near] * np.sqrt(of.frequency[near] / lines)[:, None]

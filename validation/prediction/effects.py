@@ -7,12 +7,13 @@ leaves it alone, so that one model serves a series of articles.
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import inf, sqrt
+from math import inf, log, sqrt
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
+from fem.damping import ASSUMED_WITHIN, DEFAULT_RATIO
 from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.errors import CheckFailed
 from geometry.frames import Array, Integers
@@ -215,6 +216,12 @@ NEIGHBOURS = 0.1
 """Greatest distance of two frequencies, as a share of the higher one, at which the damping of one mode is taken to pull at the
 other: beyond it their resonances do not overlap, and the coupling is of second order in the damping."""
 
+ASSUMED = (
+    f"nobody states what the structure loses: {100 * DEFAULT_RATIO:g} % of critical in every mode is assumed, within a factor of "
+    f"{ASSUMED_WITHIN:g}; `loss_factor` of the model or of its parts states it"
+)
+"""What is said of it."""
+
 DENSITY, THICKNESS, SUPPORT = (FAMILIES[name].tolerance for name in ("mass", "thickness", "support-stiffness"))
 """Standard deviations of what nobody states: of a part's density and thickness, and of the logarithm of a support's stiffness."""
 
@@ -258,6 +265,7 @@ class Nuisances:
     scaled : whether the matrices are in SI; else nothing can be said of a mass or a spring at a place, only of shares
     reduced : of which they are, of a structure by itself
     weighed : share by which all that bends may be heavier than drawn, its modes with it
+    assumed : whether nobody stated what it loses
     last : what a prediction made of them last, for the next that asks the same
     """
 
@@ -270,6 +278,7 @@ class Nuisances:
     scaled: bool = True
     reduced: ReducedStructure | None = None
     weighed: float = 0.0
+    assumed: bool = False
     last: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
     def at_positions(self, positions: Sequence[str], *, anew: bool = True) -> "Nuisances":
@@ -500,6 +509,7 @@ def nuisances(
     scaled: bool = True,
     reduced: ReducedStructure | None = None,
     weighed: float = 0.0,
+    assumed: bool = False,
 ) -> Nuisances:
     """The nuisances of `matrices`.
 
@@ -509,18 +519,22 @@ def nuisances(
     losses : loss factor by part of the structure, sheets of one material alike; none where damping is given by mode
     highest : [Hz] modes above are taken as computed
     part_tolerances : as in `fem.structure.Structure`
-    scaled, reduced, weighed : as `Nuisances` has them
+    scaled, reduced, weighed, assumed : as `Nuisances` has them
     """
+    known = tolerances or StructureTolerances()
+    if assumed and known.damping:
+        known = replace(known, damping=max(known.damping, log(ASSUMED_WITHIN)))
     return Nuisances(
         configuration=configuration,
         nominal=matrices,
         losses={part if part in matrices.parts else sheet(part): eta for part, eta in losses.items()},
         frequency=np.asarray(frequency[np.asarray(frequency) <= highest], dtype=np.float64),
-        tolerances=tolerances or StructureTolerances(),
+        tolerances=known,
         part_tolerances=part_tolerances,
         scaled=scaled,
         reduced=reduced,
         weighed=weighed,
+        assumed=assumed,
     )
 
 

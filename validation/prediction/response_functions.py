@@ -549,7 +549,7 @@ def of(
         force_gain=data.force_gain,
         tolerances=tolerances,
         decay_rate=data.decay_rate,
-        remarks=data.warnings,
+        remarks=(*data.warnings, prediction_effects.ASSUMED) if structure.assumed else data.warnings,
         coherence=None
         if data.coherence is None
         else data.coherence[:, (data.frequency >= low) & (data.frequency <= high) & kept],

@@ -403,10 +403,10 @@ def predictions(
     found, tell, count = [], progress or (lambda share: None), len(campaigns)
     for k, (stated, name) in enumerate(zip(campaigns, names(campaigns), strict=True)):
         campaign = with_unmeasured(stated)
-        stands, of = mounted_article(model, campaign), laboratory(model, campaign, ())
+        of = laboratory(model, campaign, ())
         done = partial(lambda before, share: tell((before + share) / count), k)
         made = measured(campaign, of, name, band=band, method=method, lines=lines, progress=done)
-        driven = drives(campaign, made.method)
+        driven, stands = drives(campaign, made.method), mounted_article(model, campaign, float(made.measured.frequency[-1]))
         tested = TestedCampaign(
             model=model,
             campaign=replace(campaign, recordings={}),
@@ -512,7 +512,13 @@ class SeriesPrediction:
     def remarks(self) -> tuple[str, ...]:
         """What was assumed, and which lines were left out."""
         of = self.tested
-        return (*of.campaign.warnings, *of.remarks, *of.carried.standing.remarks)
+        standing = of.carried.standing
+        return (
+            *of.campaign.warnings,
+            *of.remarks,
+            *standing.remarks,
+            *((prediction_effects.ASSUMED,) if standing.assumed else ()),
+        )
 
     @property
     def structure(self) -> prediction_effects.Nuisances | None:
@@ -732,6 +738,7 @@ def supported_dynamic_mass(model: Model, campaign: Campaign, stands: MountedArti
             highest=stands.highest,
             part_tolerances=stands.part_tolerances,
             weighed=model.mounting.inertia,
+            assumed=stands.assumed,
         )
     return SupportedDynamicMass(
         standing=stands,

@@ -18,7 +18,7 @@ from scipy.sparse import csr_array
 
 from fem import damping as fem_damping
 from fem.base_excitation import rig
-from fem.damping import Damping, damping_per_mode, default_damping
+from fem.damping import Damping, damping_per_mode, default_damping, is_assumed
 from fem.factorisers import Factor, factorise
 from fem.modes import Modes, fixed_base, floating_shift, lowest
 from fem.reduction import static_shapes
@@ -824,6 +824,7 @@ class MountedArticle:
     matrices : about its own origin and in its own axes; None where there is nothing
     frequency : (m,) [Hz] of the coordinates behind the base that are modes; the others answer statically
     losses : loss factor by part of the structure; none where damping is given by mode
+    assumed : whether nobody stated what it loses
     highest : [Hz] up to which its modes are uncertain
     part_tolerances : as in `fem.structure.Structure`
     pose : where its frame sits, seen from F
@@ -835,6 +836,7 @@ class MountedArticle:
     matrices: Matrices | None
     frequency: Array = field(default_factory=lambda: np.zeros(0))
     losses: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    assumed: bool = False
     highest: float = HIGHEST
     part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
     pose: Pose
@@ -859,8 +861,8 @@ OF_SENSORS = "accelerometers on the article read its motion where they are said 
 """What is assumed of them."""
 
 
-def mounted_article(model: Model, campaign: Campaign) -> MountedArticle:
-    """What stands on the cover plate of `campaign`.
+def mounted_article(model: Model, campaign: Campaign, highest: float = 0.0) -> MountedArticle:
+    """What stands on the cover plate of `campaign`, whose lines reach to `highest` [Hz] where that is known.
 
     Raises
     ------
@@ -879,7 +881,8 @@ def mounted_article(model: Model, campaign: Campaign) -> MountedArticle:
             problem=f"it has no model of {article}, which stands on the FMD in {campaign.source}",
             remedy=f"State the path of one, or name a stack of {', '.join(NAMES)} in the campaign",
         )
-    driven = (run.excitation.band[1] for run in campaign.runs if run.excitation is not None and run.excitation.band is not None)
+    reach = [run.excitation.band[1] for run in campaign.runs if run.excitation is not None and run.excitation.band is not None]
+    reach += [float(one.frequency[-1]) for one in campaign.recordings.values() if one.frequency is not None and not reach]
     upon = [campaign.table.channels[k] for k in campaign.table.select(group="article", quantity="acceleration")]
     back = pose.inverse
     at = {
@@ -895,7 +898,7 @@ def mounted_article(model: Model, campaign: Campaign) -> MountedArticle:
         modes=model.modes,
         damping_ratio=model.damping_ratio,
         changes=() if own else _changes(model, article),
-        band=max(driven, default=BAND) if own else BAND,
+        band=max(reach, default=highest or BAND) if own else BAND,
         positions=model.positions if own else (),
     )
     if at:
@@ -1001,6 +1004,7 @@ def _of_structure(
         matrices=of_structure(structure, modes, places, cog, damping=used, article=drawn, band=recipe.band, exactly=exactly),
         frequency=modes.frequency,
         losses=used.loss_factors,
+        assumed=is_assumed(structure, damping),
         highest=HIGHEST * recipe.band / BAND,
         part_tolerances=structure.part_tolerances,
         pose=Pose(),

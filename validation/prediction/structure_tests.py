@@ -6,7 +6,7 @@ from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 
-from fem.damping import Damping
+from fem.damping import Damping, is_assumed
 from fem.structure import Sparse, Structure, place_rows, position_of
 from geometry.errors import BadInput
 from geometry.frames import Array
@@ -161,6 +161,7 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
         part_tolerances=structure.part_tolerances,
         scaled=users.units.known,
         reduced=made,
+        assumed=is_assumed(structure, damping),
     )
 
 

@@ -19,6 +19,7 @@ from validation.estimation.fit import fit
 from validation.estimation.problem import FITTED, Problem
 from validation.model.model import Added, Model
 from validation.model.setups import mounted
+from validation.prediction.effects import ASSUMED
 from validation.prediction.series import SeriesPrediction, predictions
 from validation.virtual_test.simulate import simulate
 
@@ -59,6 +60,31 @@ def of(bracket: Mapping[str, Any], campaign: Campaign, model: Callable[..., Mode
     bracket["write"](folder)
     own = {"bracket": str(folder / "bracket.npz")}
     return predictions(model(own=own, article="fmd+bracket", damping_ratio=1e-6), [campaign])[0]
+
+
+def test_modes_up_to_the_last_line_of_spectra_are_uncertain_and_a_loss_that_nobody_stated_within_a_factor_of_three(
+    of: SeriesPrediction, campaign: Campaign, model: Callable[..., Model]
+) -> None:
+    """A sound satellite was "unknown": runs without excitation counted as driven to 40 Hz, and an assumed loss as known."""
+    wide = {name: replace(one, frequency=16 * one.frequency) for name, one in campaign.recordings.items()}
+    runs = tuple(replace(one, excitation=None) for one in campaign.runs)
+    folder = Path(of.tested.model.own["bracket"]).parent
+    base = 'units = "mm-t-N-s"\nreference_point = ["0 mm", "0 mm", "0 mm"]\ninterface = [101]\nfile = "bracket-parts.npz"\n'
+    (folder / "lossless.toml").write_text('format = 1\n[fe_model]\nname = "bracket"\nkind = "matrices"\n' + base)
+    own = {"bracket": str(folder / "lossless.toml")}
+    spectra = replace(campaign, recordings=wide, runs=runs)
+    far = predictions(model(own=own, article="fmd+bracket", damping_ratio=None), [spectra])[0]
+    known = {one.name: one.tolerance for one in far.parameters}
+    assert 240 < far.measured.frequency[-1] < 600
+    assert {f"frequency:fmd+bracket:{r}" for r in (1, 2)} <= set(known)  # 118 and 227 Hz
+    assert not any(one.name.startswith("frequency:") for one in of.parameters)  # of lines up to 32 Hz
+    assert_allclose([known[f"damping:fmd+bracket:{r}"] for r in (1, 2)], np.log(3.0))
+    assert ASSUMED in far.remarks
+    assert ASSUMED not in of.remarks
+    stated = predictions(
+        model(own=own, article="fmd+bracket", damping_ratio=0.01), [replace(campaign, recordings=wide, runs=runs)]
+    )
+    assert {one.tolerance for one in stated[0].parameters if one.name.startswith("damping:")} == {0.35}
 
 
 def solved(bracket: Mapping[str, Any], campaign: Campaign, node: int, axis: int, hertz: float) -> Array:
