@@ -137,7 +137,7 @@ def misfit(of: Readings, values: ComplexArray, noise: Array) -> Misfit:
         # Mean squares (v,) of what H has that no body has and that no structure has, and the price of a negative mass
         found = _entries(motion, load)
         H, sd = found.matrix, found.deviation
-        elastic = elasticity(of, H)
+        elastic = elasticity(of, H, sd)
         negative = np.any(np.diagonal((H.real + elastic)[:, 0], axis1=1, axis2=2) <= 0, axis=1)
         # Mean square (v,) of H (v, n, 6, 6) less its transpose, which elasticity leaves alone
         j, k = np.triu_indices(6, 1)
@@ -165,12 +165,12 @@ def deviation(of: Readings) -> Array:
     return np.asarray(_entries(side, _load(of, values, noise)).deviation[0])
 
 
-def elasticity(of: Readings, H: ComplexArray) -> Array:
+def elasticity(of: Readings, H: ComplexArray, sd: Array) -> Array:
     """What |H| (..., n, 6, 6) may hold beyond a body, by what is seen from the first line to the last.
 
-    Below the modes it grows with omega², the steeper the nearer they are. Where it does not, a mode lies among the lines or below
-    them, and it is twice the most that H changes: a mode just below makes H as large as it changes. Wrong signs, exchanges and
-    units are the same at every line, and change nothing.
+    Below the modes it grows with omega², the steeper the nearer they are. Where H changes otherwise, and by more than tolerances
+    `sd` of its entries do, a mode lies among the lines or below them, and it is twice the most that H changes: a mode just below
+    makes H as large as it changes. Wrong signs, exchanges and units are the same at every line, and change nothing.
     """
     if len(of.omega) < 2:
         return np.zeros(H.shape)
@@ -181,7 +181,8 @@ def elasticity(of: Readings, H: ComplexArray) -> Array:
     first, last = slope[..., :1, :, :], slope[..., -1:, :, :]
     steeper = (np.abs(last) >= np.abs(first)) & ((first * last.conj()).real >= 0)
     pairs = [np.abs(H[..., [j], :, :] - H[..., [k], :, :]) for j, k in combinations(range(len(square)), 2)]
-    return np.where(steeper, allowed, np.maximum(allowed, 2 * np.max(pairs, axis=0)))
+    most = np.max(pairs, axis=0)
+    return np.where(steeper | (most**2 <= LIMIT * sd**2), allowed, np.maximum(allowed, 2 * most))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -537,7 +538,7 @@ def checks(
         raise BadInput(source="closed checks", field="frequency", problem=problem, remedy="Give it at the lines of the spectra")
     of = readings(spectra, tolerances, gravity)
     H, sd = dynamic_mass.matrix[of.lines], deviation(of)
-    elastic = elasticity(of, H)
+    elastic = elasticity(of, H, sd)
     rigid = np.hypot(sd, elastic)
     departures = [
         (f"{LOADS[j]} by {MOTIONS[k]}", H[:, j, k] - H[:, k, j], np.hypot(sd[:, j, k], sd[:, k, j])) for j, k in _pairs(range(6))

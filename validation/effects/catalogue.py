@@ -647,6 +647,7 @@ class There:
     ----------
     article : the structure that is tested; empty for an FMD alone
     parts : of it, supports and joints among them; none of a rigid one
+    bodies : further parts, which have a mass and do not give
     places : by name, on it
     channels : that were recorded; None where all that an effect can name are
     supports, joints : those parts that are springs to the ground, and between two others
@@ -658,6 +659,7 @@ class There:
 
     article: str = ""
     parts: tuple[str, ...] = ()
+    bodies: tuple[str, ...] = ()
     places: tuple[str, ...] = ()
     channels: tuple[str, ...] | None = None
     supports: tuple[str, ...] = ()
@@ -676,6 +678,7 @@ def there(article: str, matrices: Matrices, channels: tuple[str, ...] | None = N
     return There(
         article=article,
         parts=tuple(matrices.parts),
+        bodies=matrices.bodies,
         places=tuple(matrices.places),
         channels=channels,
         supports=matrices.supports,
@@ -691,7 +694,8 @@ def words_of(found: Iterable[There], words: effect_types.Vocabulary) -> effect_t
     stands, made = tuple(found), {}
     for kind in ("places", "parts", "supports", "joints", "drives"):
         if getattr(words, kind) is None:
-            made[kind] = tuple(dict.fromkeys(name for one in stands for name in getattr(one, kind)))
+            also = [name for one in stands for name in one.bodies] if kind == "parts" else []
+            made[kind] = tuple(dict.fromkeys([*(name for one in stands for name in getattr(one, kind)), *also]))
     return replace(words, **made)
 
 
@@ -718,7 +722,7 @@ def known(named: Named, there: There) -> tuple[str, ...]:
     """What `named` could act on, of a family that acts on something of the structure."""
     kind = FAMILIES[named.family].targets[0]
     by_kind = {effect_types.PLACE: there.places, effect_types.SUPPORT: there.supports, effect_types.BETWEEN: there.joints}
-    return by_kind.get(kind, there.parts)
+    return by_kind.get(kind, (*there.parts, *there.bodies) if named.family == "mass" else there.parts)
 
 
 def is_local(named: Named) -> bool:

@@ -5,6 +5,7 @@ Effects act in the order of the model file, stage by stage. Every noun is frozen
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import TypeVar
 
@@ -123,11 +124,31 @@ class Matrices:
             rigid = np.eye(6, k) if self.base else np.zeros((6, k))
         object.__setattr__(self, "rigid", frozen(rigid, (6, k), "rigid"))
 
+    @cached_property
+    def bodies(self) -> tuple[str, ...]:
+        """Parts that have a mass and no stiffness; what is a point mass at one of the places has the name of that place."""
+        squares = [row.T @ row for row in self.places.values()]
+        return tuple(
+            name
+            for name, share in self.part_mass.items()
+            if name not in self.parts and np.trace(share) > 0 and not any(_is_multiple(share, square) for square in squares)
+        )
+
     def lost(self, part: str) -> Array:
         """(k, k) share of a part as its losses count: what a mode loses beside them, it loses of all that the part loses."""
         scale = np.ones(len(self.mass))
         scale[: len(self.lossier)] = self.lossier
         return scale[:, None] * self.parts[part] * scale
+
+
+ROUNDING = 1e-9
+"""Share of a matrix that the rounding of a reduction leaves of what is nothing."""
+
+
+def _is_multiple(share: Array, square: Array) -> bool:
+    """Whether `share` (k, k) is a multiple of `square`, but for rounding."""
+    whole = np.trace(square)
+    return bool(whole > 0 and np.abs(share - np.trace(share) / whole * square).max() <= ROUNDING * np.abs(share).max())
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -301,7 +301,9 @@ class Nuisances:
         made = [_factor(self.stiffness_of(part), self.known(part, "modulus", of.modulus)) for part in parts]
         made += [_factor(f"thickness:{part}", self.known(part, "thickness", THICKNESS)) for part in parts if part in m.sections]
         made += [_declared(f"mesh:{part}", of.mesh) for part in self.coarse]
-        made += [_declared(f"mass:{part}", self.known(part, "density", DENSITY)) for part in parts if part in m.part_mass]
+        made += [
+            _declared(f"mass:{part}", self.known(part, "density", DENSITY)) for part in (*parts, *m.bodies) if part in m.part_mass
+        ]
         made += [replace(_declared(f"loss:{part}", self.known(part, "loss_factor", of.damping)), low=-1.0) for part in self.lossy]
         laws = {DAMPING_LAW: replace(_declared(DAMPING_LAW, of.damping_law), low=0.0, high=1.0)}
         made += [laws.get(law) or _declared(law, of.loss_coupling) for law in self.laws]
@@ -430,6 +432,8 @@ class Nuisances:
                 S += (np.exp(stiffer) * (1 + lossier) - 1) * eta * share
             if (thicker or denser) and part in m.part_mass:
                 mass += (np.exp(thicker) * (1 + denser) - 1) * m.part_mass[part]
+        for body in m.bodies:
+            mass += offsets.get(f"mass:{body}", 0.0) * m.part_mass[body]
         stiffness = E[:, None] * K * E
         for r, s in () if b else self.pairs:
             mixed = offsets.get(f"mixing:{name}:{r + 1}:{s + 1}", 0.0) * self.between(r, s) * E[r] * E[s]

@@ -854,7 +854,10 @@ class MountedArticle:
         if self.matrices is None:
             return There()
         found = there(self.article, self.matrices)
-        return replace(found, places=tuple(name for name in found.places if name not in self.sensors.values()))
+        read = dict.fromkeys(self.sensors.values())
+        named = [row for name, row in self.matrices.places.items() if name not in read]
+        again = [one for one in read if any(np.allclose(self.matrices.places[one], row) for row in named)]
+        return replace(found, places=tuple(name for name in found.places if name not in again))
 
 
 OF_SENSORS = "accelerometers on the article read its motion where they are said to sit; that what bends tilts them is left out"
