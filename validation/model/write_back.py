@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
 
@@ -75,6 +75,7 @@ class Deck:
     boxes : corners (2, 3) [m] by name
     mesh : None of matrices, of whose nodes the numbers in `places` are known alone
     elements, nodes : hand out numbers that are new
+    masses : by name, where and how heavy
     """
 
     path: Path
@@ -87,6 +88,7 @@ class Deck:
     mesh: files.MeshFile | None
     elements: Iterator[int]
     nodes: Iterator[int]
+    masses: Mapping[str, described.PointMass] = field(default_factory=dict)
 
     def at(self, place: described.At) -> NodeOfDeck:
         """The node at `place`, or the nearest to it.
@@ -158,6 +160,7 @@ class Deck:
                 mesh=mesh,
                 elements=count(1 + max(int(cells.tags.max()) for cells in mesh.cells.values())),
                 nodes=count(1 + int(mesh.node_tags.max())),
+                masses=found.masses,
             )
         if table.get("kind") == "frame":
             return cls(
@@ -326,6 +329,16 @@ def _piece(deck: Deck, program: Program, kind: str, name: str, own: Sequence[Add
 def _properties(deck: Deck, program: Program, part: str, own: Sequence[Added]) -> tuple[list[str], list[str]]:
     by = {one.named.family: one for one in own}
     factor = {family: 1 + one.named.values[""] for family, one in by.items()}
+    if part in deck.masses:
+        body = deck.masses[part]
+        at, drawn, turned = deck.at(body.at), body.inertia.mass, np.any(body.inertia.mass_matrix[3:, 3:])
+        hand = [f"its moments of inertia grow by the same share: multiply them by {factor['mass']:.6g} by hand"] if turned else []
+        said = [
+            *at.said,
+            f"mass of {part}: was {drawn:.6g} kg, found {drawn * factor['mass']:.6g} kg; this is the difference",
+            *hand,
+        ]
+        return said, program.mass(deck, at, (factor["mass"] - 1) * drawn / deck.units.mass)
     table = deck.parts.get(part)
     material = None if table is None else table.material
     if table is None or material is None or material.youngs_modulus is None or material.poisson_ratio is None:

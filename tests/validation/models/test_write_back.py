@@ -129,6 +129,15 @@ def test_nastran_reads_back_what_was_found(beam: Path) -> None:
     assert len({one[0] for one in (mass, *springs)}) == 3
 
 
+def test_a_body_that_is_heavier_gets_the_difference_at_its_node(beam: Path) -> None:
+    camera = '[fe_model.masses.camera]\nat = "tip"\nmass = "120 g"\n' + f"moments = {3 * ['1e-4 kg m^2'] + 3 * ['0 kg m^2']}"
+    text = written(model_file.read(model(beam, {"mass:camera": 0.25}, camera)), "nastran")
+    (mass,) = fields(text)["CONM2"]
+    assert (int(mass[1]), float(mass[3])) == (CORNER, pytest.approx(3e-5))
+    assert "$ mass of camera: was 0.12 kg, found 0.15 kg; this is the difference" in text
+    assert "multiply them by 1.25 by hand" in text
+
+
 def fields(text: str) -> dict[str, list[list[str]]]:
     """Fields of cards of the large format by their word, numbers as Python has them."""
     found: dict[str, list[list[str]]] = {}
