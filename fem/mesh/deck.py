@@ -7,7 +7,7 @@ Whatever else weighs, holds or joins is listed as lost, and never passed over.
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -54,7 +54,8 @@ class Property:
     material : its name or number
     thickness : of shells, else 0
     section : keys of a beam's or rod's section with their values, none of others
-    z_axis : direction of the section's height; none where the deck has several or none
+    z_axis : direction of the section's height; none where the elements state it, or nothing does
+    neutral_axis, shear : as in `fem.mesh.description.Profile`
     added : mass of no stiffness per area of shells or length of beams
     """
 
@@ -62,6 +63,8 @@ class Property:
     thickness: float = 0.0
     section: Mapping[str, float] = field(default_factory=dict)
     z_axis: tuple[float, ...] = ()
+    neutral_axis: tuple[float, ...] = ()
+    shear: tuple[float, ...] = ()
     added: float = 0.0
 
     @property
@@ -212,12 +215,20 @@ class Deck:
     def beam_property(self, card: str, f: Sequence[str]) -> None:
         name, section = f"{card} {f[0]}", dict[str, float]()
         added = 0.0
+        neutral_axis, shear = (0.0, 0.0), (0.0, 0.0)
         if card in ("PBAR", "PBEAM"):
-            A, I1, I2 = (real(f[k]) for k in (2, 3, 4))
-            J, added = (real(f[5]), real(f[6])) if card == "PBAR" else (real(f[6]), real(f[7]))
-            section = {"area": A, "Iy": I1, "Iz": I2, "J": J}
-            if card == "PBEAM" and (real(f[5]) or any(f[k] and abs(real(f[k]) / A - 1) > ALIKE for k in (18, 26) if real(f[k]))):
-                self.lose(name, "a product of inertia, or a taper")
+            if card == "PBAR":
+                (A, I1, I2, J, added), I12, (K1, K2) = map(real, f[2:7]), real(f[18]), map(real, f[16:18])
+            else:
+                (A, I1, I2, I12, J, added), rest = self._stations(name, f)
+                K1, K2 = (real(text or "1.") for text in rest[:2])
+                n = [real(text) for text in (*rest[12:14], rest[14] or rest[12], rest[15] or rest[13])]
+                # The section's z is Nastran's y, and its y is -z there
+                neutral_axis = -(n[1] + n[3]) / 2, (n[0] + n[2]) / 2
+                if any(map(real, (*rest[2:4], *rest[8:12]))):
+                    self.lose(name, "its shear relief, or a mass beside its axis")
+            shear = K2, K1
+            section = {"area": A, "Iy": I1, "Iz": I2, "J": J} | ({"Iyz": -I12} if I12 else {}) if I1 or I2 or J else {"area": A}
         else:
             d = [real(text) for text in f[8:12]]
             kind = f[3].upper()
@@ -234,7 +245,30 @@ class Deck:
             else:
                 self.lose(name, f"a section of kind {kind}")
             added = real(f[8 + _SIZES.get(kind, 0)]) if section else 0.0
-        self.properties[f[0]] = Property(material=f[1], section=section, added=added)
+            if card == "PBEAML" and f[9 + _SIZES.get(kind, 0)]:
+                self.lose(name, "a taper; it is as at its first end")
+        self.properties[f[0]] = Property(
+            material=f[1],
+            section=section,
+            added=added,
+            neutral_axis=neutral_axis if any(neutral_axis) else (),
+            shear=tuple(one or np.inf for one in shear) if any(shear) and len(section) > 1 else (),
+        )
+
+    def _stations(self, name: str, f: Sequence[str]) -> tuple[list[float], Sequence[str]]:
+        """Of a PBEAM the means along it of area, I1, I2, I12, J and mass, and its fields behind its stations."""
+        at = 8 if f[8].upper() in ("YES", "YESA", "NO") else 16
+        stations = {0.0: [real(text) for text in f[2:8]]}
+        while (word := f[at].upper()) in ("YES", "YESA", "NO"):
+            own = [real(text) if text else first for text, first in zip(f[at + 2 : at + 8], stations[0.0], strict=True)]
+            stations[real(f[at + 1])] = own
+            at += 16 if word == "YES" else 8
+        x = np.array(sorted(stations))
+        values = np.array([stations[one] for one in x])
+        if np.any(np.ptp(values, axis=0) > ALIKE * np.abs(values).max(axis=0)):
+            self.lose(name, "a taper; it has the means along it")
+        means = np.trapezoid(values, x, axis=0) + values[-1] * (1 - x[-1])
+        return means.tolist(), f[at:]
 
     def beam_section(self, name: str, group: str, o: Mapping[str, str], rows: Sequence[Sequence[str]]) -> None:
         """Along its first direction, which the second row says, a rectangle has the first of its two sizes."""
@@ -424,9 +458,8 @@ def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck
     deck, fixed = Deck(mesh=mesh), dict[str, list[list[str]]]()
     whole = "\n".join(line.text for line in deck_lines(path))
     point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
-    upright: dict[str, list[Array]] = {}
     springs, laws = list[list[str]](), dict[str, list[str]]()
-    shells, together = dict[str, list[str]](), dict[str, list[str]]()
+    shells, together, thick = dict[str, list[str]](), dict[str, list[str]](), dict[str, None]()
     for card, *own in cards(path):
         f = [*own, *(40 * [""])]
         name = f"{card} {f[0]}"
@@ -449,17 +482,8 @@ def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck
             deck.rod_property(card, f)
         elif card in ("PCOMP", "PCOMPG", "PBCOMP", "PLSOLID", "MAT2", "MAT8", "MAT9", "MAT10", "PBMSECT"):
             deck.lose(name, "no material or property that is known here; state the part by hand")
-        elif card in ("CBAR", "CBEAM"):
-            other = point.get(int(f[4])) if f[4].isdigit() and not f[5] else None
-            to = np.array([real(f[k]) for k in (4, 5, 6)]) if other is None else other - point[int(f[2])]
-            axes = where.freedoms(int(f[2])) if other is None and f[7].upper() != "BGG" else None
-            to = to if axes is None else to @ axes
-            upright.setdefault(f[1] or f[0], []).append(to / max(float(np.linalg.norm(to)), 1e-300))
-            if any(real(f[k]) for k in range(8, 16)):
-                deck.lose(name, "pinned or offset ends")
-        elif card in ("CQUAD4", "CTRIA3", "CQUADR", "CTRIAR"):
-            if real(f[7 if "QUAD" in card else 6]):
-                deck.lose(name, "its plane is off its nodes (ZOFFS)")
+        elif card in ("CQUAD4", "CTRIA3") and any(f[10:14]):
+            thick[f[1]] = None
         elif card == "CONM2":
             node, number = int(f[1]), f[2] or coordinates.BASIC
             xx, yx, yy, zx, zy, zz = (real(f[k]) for k in range(8, 14))
@@ -497,18 +521,13 @@ def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck
                 deck.held.setdefault(int(f[0]), set()).update(letters)
         elif not (card in files.NASTRAN or _IDLE.fullmatch(card)):
             deck.lose(name, "a card that is not known here")
+    for number in thick:
+        deck.lose(f"property {number}", "some of its shells have thicknesses of their own")
     for number, f in shells.items():
         bending, ratio = f[3], real(f[4]) or 1.0
         if bending != f[1] or abs(ratio - 1) > ALIKE:
             deck.lose(f"PSHELL {number}", "it bends otherwise than its thickness says, or not at all")
         deck.properties[number] = Property(material=f[1], thickness=real(f[2]), added=real(f[7]))
-    for number, one in deck.properties.items():
-        if one.section:
-            z_axis = _one_direction(upright.get(number, []))
-            if not z_axis and not _round(one.section):
-                deck.lose(f"property {number}", "its beams are turned in more than one way; state a part for each")
-            section = one.section if z_axis or _round(one.section) else {}
-            deck.properties[number] = replace(one, section=section, z_axis=z_axis)
     for card, *f in springs:
         _spring(deck, card, f, laws, point)
     if not re.search(r"^\s*ENDDATA", whole, re.IGNORECASE | re.MULTILINE):
@@ -531,19 +550,6 @@ def _listed(fields: Sequence[str], name: str, deck: Deck) -> list[int]:
         elif text and real(text):
             deck.lose(name, f"{text} behind its nodes")
     return found
-
-
-def _round(section: Mapping[str, float]) -> bool:
-    """Whether a section bends alike whichever way it is turned."""
-    y, z = (section.get(one, section.get(other, 0.0)) for one, other in (("width", "Iy"), ("height", "Iz")))
-    return abs(y - z) <= ALIKE * max(y, z)
-
-
-def _one_direction(directions: Iterable[Array]) -> tuple[float, ...]:
-    """The direction that all have, whichever way it points; none where they differ."""
-    every = list(directions)
-    alike = every and all(float(np.linalg.norm(np.cross(every[0], one))) <= ALIKE for one in every) and np.any(every[0])
-    return tuple(every[0].tolist()) if alike else ()
 
 
 def _spring(deck: Deck, card: str, f: Sequence[str], laws: Mapping[str, Sequence[str]], point: Mapping[int, Array]) -> None:
@@ -705,7 +711,7 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
     grounded = bool(holds) or any(len(ends) == 1 for ends, _ in deck.springs.values())
     pressure, density = system.mass / (system.length * system.time**2), deck.weight * system.mass / system.length**3
     mass, stiffness = deck.weight * system.mass, system.mass / system.time**2
-    scale = {"area": 2, "Iy": 4, "Iz": 4, "J": 4}
+    scale = {"area": 2, "Iy": 4, "Iz": 4, "J": 4, "Iyz": 4}
     unit = {1: "m", 2: "m^2", 4: "m^4"}
     tables: list[tuple[str, dict[str, str]]] = []
     for name, one in deck.properties.items():
@@ -729,7 +735,13 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
                 f'{key} = "{value * system.length ** scale.get(key, 1):.9g} {unit[scale.get(key, 1)]}"'
                 for key, value in one.section.items()
             ]
-            keys += [f"z_axis = [{', '.join(f'{value:.9g}' for value in one.z_axis)}]"] if one.z_axis else []
+            keys += [
+                f"{key} = [{', '.join(f'{value:.9g}' for value in several)}]"
+                for key, several in (("z_axis", one.z_axis), ("shear", one.shear))
+                if several
+            ]
+            off = ", ".join(f'"{value * system.length:.9g} m"' for value in one.neutral_axis)
+            keys += [f"neutral_axis = [{off}]"] if off else []
             table["section"] = f"{{ {', '.join(keys)} }}"
         tables.append((f"parts.{toml_file.string(deck.mesh.called.get(name, name))}", table))
     carriers = {**{node: name for name, (node, _) in deck.means.items()}, **deck.carriers}

@@ -27,6 +27,8 @@ _KEYS = (
 )
 _PART = ("material", "thickness", "section", "loss_factor", "tolerance")
 _TIED = ("stiffness", "loss_factor")
+_OPEN = ("Iyz", "neutral_axis", "shear")
+"""What a section with an area, Iy, Iz and J may have beside."""
 
 At = int | str | tuple[float, float, float]
 """Where something is: the number of a node, the name of a group, box or place, or coordinates [m]."""
@@ -35,11 +37,15 @@ At = int | str | tuple[float, float, float]
 @dataclass(frozen=True, kw_only=True)
 class Profile:
     """A section as described: `sizes` [m] are width and height, of a `round` one both diameters; area, Iy, Iz and J; or the
-    area of a `rod`, which pushes and pulls and does not bend."""
+    area of a `rod`, which pushes and pulls and does not bend. Of the third kind are the `product` of inertia about y and z,
+    where the `neutral_axis` is from the line about which it twists, and the shares of the area in `shear`, infinite of none."""
 
     sizes: tuple[float, ...]
     material: Material
     round: bool = False
+    product: float = 0.0
+    neutral_axis: tuple[float, float] = (0.0, 0.0)
+    shear: tuple[float, float] = (float("inf"), float("inf"))
 
     @property
     def rod(self) -> bool:
@@ -55,9 +61,30 @@ class Profile:
             return rectangle(width, factor * height, self.material)
         A, Iy, Iz, J = (*self.sizes, 0.0, 0.0, 0.0)[:4]
         (E, G), rho = moduli(self.material), self.material.density
+        (c, s), _ = self.turned[1:, 1:]
+        cross = 2 * s * c * self.product
+        Iy, Iz = s * s * Iz - cross + c * c * Iy, c * c * Iz + cross + s * s * Iy
         return Section(
-            axial=E * A, torsion=G * J, bending_y=E * Iy, bending_z=E * Iz, mass=rho * A, rotary_y=rho * Iy, rotary_z=rho * Iz
+            axial=E * A,
+            torsion=G * J,
+            bending_y=E * Iy,
+            bending_z=E * Iz,
+            shear_y=self.shear[0] * G * A,
+            shear_z=self.shear[1] * G * A,
+            mass=rho * A,
+            rotary_y=rho * Iy,
+            rotary_z=rho * Iz,
         )
+
+    @property
+    def turned(self) -> Array:
+        """Principal axes (3, 3) of the section as rows, along the beam and its y and z, which they are nearest to."""
+        if not self.product:
+            return np.eye(3)
+        _, Iy, Iz, _ = self.sizes
+        angle = np.arctan(2 * self.product / (Iz - Iy)) / 2 if Iz != Iy else np.pi / 4
+        c, s = np.cos(angle), np.sin(angle)
+        return np.array([[1, 0, 0], [0, c, s], [0, -s, c]])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -308,7 +335,7 @@ class _Table:
             if not plain or not 0 < np.linalg.norm(value) < 1e6:
                 raise self.wrong("z_axis", "three numbers that are a direction", "Write it like [0, 0, 1]")
             z_axis = np.array(value, dtype=np.float64)
-        keys = {key for key in self.table if key != "z_axis"}
+        keys = {key for key in self.table if key not in ("z_axis", *_OPEN)}
         if keys == {"width", "height"}:
             width, height = self.quantity("width", "length"), self.quantity("height", "length")
             return Profile(sizes=(width, height), material=material), float(np.hypot(width, height) / 2), z_axis, True
@@ -318,8 +345,20 @@ class _Table:
             return Profile(sizes=(outer, inner), material=material, round=True), outer / 2, z_axis, inner > 0
         if keys == {"area", "Iy", "Iz", "J"}:
             A = self.quantity("area", "area")
-            Iy, Iz, J = (self.quantity(key, "second moment of area") for key in ("Iy", "Iz", "J"))
-            return Profile(sizes=(A, Iy, Iz, J), material=material), float(np.sqrt(3 * max(Iy, Iz) / A)), z_axis, False
+            Iy, Iz, J = (self.quantity(key, "second moment of area", positive=False) for key in ("Iy", "Iz", "J"))
+            product = self.quantity("Iyz", "second moment of area", positive=False) if "Iyz" in self.table else 0.0
+            if min(Iy, Iz, J) < 0 or product**2 > Iy * Iz:
+                raise self.wrong(
+                    "Iyz" if product else "Iy", "of a section: Iy, Iz and J positive, Iyz² below Iy Iz", "Correct it"
+                )
+            y, z = self.quantities("neutral_axis", 2 * ("length",)).tolist() if "neutral_axis" in self.table else (0.0, 0.0)
+            shear = self.table.get("shear", [np.inf, np.inf])
+            if not isinstance(shear, list) or len(shear) != 2 or not all(isinstance(k, float | int) and k > 0 for k in shear):
+                raise self.wrong("shear", "two positive shares of the area, along y and z", "Write it like [0.83, 0.83]")
+            profile = Profile(
+                sizes=(A, Iy, Iz, J), material=material, product=product, neutral_axis=(y, z), shear=(shear[0], shear[1])
+            )
+            return profile, float(np.hypot(y, z) + np.sqrt(3 * max(Iy, Iz) / A)), z_axis, False
         if keys == {"area"}:
             A = self.quantity("area", "area")
             return Profile(sizes=(A,), material=material), float(np.sqrt(A / np.pi)), z_axis, False

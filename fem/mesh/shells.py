@@ -116,6 +116,15 @@ def matrices(corners: Array, thickness: float, E: float, nu: float, density: flo
     return K_membrane, K_bending, np.asarray(M)
 
 
+def carried(offsets: Array) -> Array:
+    """What triangles (c, 18, 18) do of what their nodes do, which they are off by `offsets` (c, 3, 3)."""
+    T = np.tile(np.eye(18), (len(offsets), 1, 1))
+    for node in range(3):
+        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):  # rotation about j moves along i by the offset along k
+            T[:, 6 * node + i, 6 * node + 3 + j], T[:, 6 * node + i, 6 * node + 3 + k] = offsets[:, node, k], -offsets[:, node, j]
+    return T
+
+
 def displacement(corners: Array, weights: Array) -> Array:
     """What the eighteen degrees of freedom of triangles (c, 3, 3) move at area coordinates `weights` (q, 3); (c, q, 3, 18).
 

@@ -343,10 +343,11 @@ def test_shells_and_beams_have_their_sections(tmp_path: Path) -> None:
     assert found.parts["1"].material.density == pytest.approx(2 * 7850)  # the mass per area doubles it
     assert found.parts["2"].section is not None
     assert found.parts["2"].section.sizes == (0.01, 0.02)
-    np.testing.assert_allclose(np.abs(found.parts["2"].z_axis), [1, 0, 0])
     assert found.parts["3"].section is not None
     np.testing.assert_allclose(found.parts["3"].section.sizes, [1e-4, 9e-10, 4e-10, 8e-10])
-    assert model.load(tmp_path / "one.toml")[1].rigid_mass[0, 0] > 0
+    made = model.load(tmp_path / "one.toml")[1]
+    assert made.rigid_mass[0, 0] > 0
+    assert [one.axes.tolist() for one in made.elements.blocks if one.part == "2"] == [[[1, 0, 0]]]
 
 
 @pytest.mark.parametrize(
@@ -381,7 +382,7 @@ def test_hollow_and_open_sections(deck_text: str, ending: str, walls: Callable[[
     torsion, polar = part.section.sizes[3] * 1e12, wanted[1] + wanted[2]
     assert (0.5 if "BOX" in deck_text else 0.005) * polar < torsion < (1.0 if "BOX" in deck_text else 0.05) * polar
     assert part.material.density == pytest.approx(7850 + (7.85e-6 * 1e12 / wanted[0] if ending == "bdf" else 0))
-    np.testing.assert_allclose(np.abs(part.z_axis), [0, 0, 1])
+    assert (part.z_axis is None) == (ending == "bdf")  # of Nastran the elements say it
 
 
 @pytest.mark.parametrize(
@@ -397,8 +398,8 @@ def test_hollow_and_open_sections(deck_text: str, ending: str, walls: Callable[[
         ("PCOMP,5", "PCOMP 5"),
         ("CELAS2,9,5.,1,1,3,2", "CELAS2 9: it joins two different motions"),
         ("PBARL,2,1,,T,,,,,1.,1.\nCBAR,2,2,1,5,1.,0.,0.", "PBARL 2: a section of kind T"),
-        ("PBAR,2,1,100.,900.,400.,800.\nCBAR,2,2,1,5,1.,0.,0.\nCBAR,3,2,4,5,0.,1.,0.", "turned in more than one way"),
-        ("CTRIA3,7,8,1,2,5,,1.5\nPSHELL,8,1,2.", "CTRIA3 7: its plane is off its nodes"),
+        ("PBEAM,2,1,100.,900.,400.,,800.\n\n,YESA,1.,50.\nCBEAM,2,2,1,5,1.,0.,0.", "PBEAM 2: a taper"),
+        ("CTRIA3,7,1,1,2,5,,,,,\n,,,2.,3.,2.", "property 1: some of its shells have thicknesses of their own"),
     ],
 )
 def test_what_is_not_carried_over_is_said_and_ends_with_one(
