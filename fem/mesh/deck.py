@@ -26,6 +26,9 @@ ELASTIC, DENSE, SOUND = (1e6, 1.3e12), (5.0, 22_600.0), (30.0, 14_000.0)
 """Young's modulus [Pa], density [kg/m³] and speed of sound [m/s] between which materials lie, from soft rubber and foam to
 diamond and osmium: units in which a deck's materials are outside are not its own. Held by tests/fem/mesh/test_deck.py."""
 
+CORE = 0.02
+"""[1] Modulus of layers, as a share of the stiffest material's, below which they are a core. By definition."""
+
 HEAVY = 300.0
 """[kg/m³] that the heaviest material of a structure exceeds, as light wood does: nothing is of foam alone. Held there, too."""
 
@@ -46,6 +49,19 @@ class Isotropic:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Ply:
+    """A material that is stiff along its fibres, as the deck has it: moduli along and across, and of shear 12, 13, 23; the last
+    two are left out where they do not give."""
+
+    modulus: float
+    across: float
+    poisson_ratio: float
+    shear: tuple[float, ...]
+    density: float
+    loss_factor: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
 class Property:
     """What elements of a group are made of, in the deck's own units.
 
@@ -55,8 +71,10 @@ class Property:
     thickness : of shells, else 0
     section : keys of a beam's or rod's section with their values, none of others
     z_axis : direction of the section's height; none where the elements state it, or nothing does
+    layers : material, thickness and angle [degrees] of each, from the lower face up, and their `offset` from the nodes
     neutral_axis, shear : as in `fem.mesh.description.Profile`
     added : mass of no stiffness per area of shells or length of beams
+    loss_factor : in place of that of the material, where it is not 0
     """
 
     material: str
@@ -65,7 +83,10 @@ class Property:
     z_axis: tuple[float, ...] = ()
     neutral_axis: tuple[float, ...] = ()
     shear: tuple[float, ...] = ()
+    layers: tuple[tuple[str, float, float], ...] = ()
+    offset: float = 0.0
     added: float = 0.0
+    loss_factor: float = 0.0
 
     @property
     def across(self) -> float:
@@ -108,7 +129,7 @@ class Deck:
     """
 
     mesh: MeshFile
-    materials: dict[str, Isotropic] = field(default_factory=dict)
+    materials: dict[str, Isotropic | Ply] = field(default_factory=dict)
     properties: dict[str, Property] = field(default_factory=dict)
     masses: dict[str, tuple[int, Rider]] = field(default_factory=dict)
     links: dict[str, tuple[int, list[int | str]]] = field(default_factory=dict)
@@ -211,6 +232,30 @@ class Deck:
         elif real(other):
             self.lose(name, "its stiffness in torsion")
         self.properties[group] = Property(material=material, section={"area": area}, added=added)
+
+    def layered(self, card: str, f: Sequence[str]) -> None:
+        """A laminate, of PCOMP with four fields a layer, of PCOMPG with eight; what they leave out is that of the one before."""
+        name, layers = f"{card} {f[0]}", list[tuple[str, float, float]]()
+        skip, step = (0, 4) if card == "PCOMP" else (1, 8)
+        rows = [f[k + skip : k + skip + 4] for k in range(8, len(f) - 3, step)]
+        for material, thickness, angle, *output in rows:
+            if material or thickness or angle or output[0]:
+                before = layers[-1] if layers else ("", 0.0, 0.0)
+                layers.append((material or before[0], real(thickness) if thickness else before[1], real(angle)))
+        if (word := f[7].upper()) == "SYM":
+            layers += layers[::-1]
+        elif word:
+            self.lose(name, f"its layers are to be taken as {word}")
+        whole = sum(thickness for _, thickness, _ in layers)
+        offset = real(f[1]) + whole / 2 if f[1] else 0.0  # Z0 is where the lower face is
+        self.properties[f[0]] = Property(
+            material=layers[0][0] if layers else "",
+            thickness=whole,
+            layers=tuple(layers),
+            offset=offset,
+            added=real(f[2]),
+            loss_factor=real(f[6]),
+        )
 
     def beam_property(self, card: str, f: Sequence[str]) -> None:
         name, section = f"{card} {f[0]}", dict[str, float]()
@@ -432,8 +477,10 @@ def _system(deck: Deck, source: str) -> UnitSystem:
 
 def _believed(deck: Deck, system: UnitSystem) -> bool:
     """Whether the materials of the deck are some when it is in `system`."""
-    heaviest = 0.0
+    heaviest, stiffest = 0.0, max(one.modulus for one in deck.materials.values())
     for one in deck.materials.values():
+        if isinstance(one, Ply) and one.modulus < CORE * stiffest:
+            continue
         E = one.modulus * system.mass / (system.length * system.time**2)
         rho = one.density * deck.weight * system.mass / system.length**3
         if not ELASTIC[0] <= E <= ELASTIC[1]:
@@ -480,7 +527,19 @@ def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck
             deck.beam_property(card, f)
         elif card in ("PROD", "PTUBE", "CONROD"):
             deck.rod_property(card, f)
-        elif card in ("PCOMP", "PCOMPG", "PBCOMP", "PLSOLID", "MAT2", "MAT8", "MAT9", "MAT10", "PBMSECT"):
+        elif card == "MAT8":
+            shear = tuple(map(real, f[4:7] if real(f[5]) and real(f[6]) else f[4:5]))
+            deck.materials[f[0]] = Ply(
+                modulus=real(f[1]),
+                across=real(f[2]),
+                poisson_ratio=real(f[3]),
+                shear=shear,
+                density=real(f[7]),
+                loss_factor=real(f[16]),
+            )
+        elif card in ("PCOMP", "PCOMPG"):
+            deck.layered(card, own)
+        elif card in ("PBCOMP", "PLSOLID", "MAT2", "MAT9", "MAT10", "PBMSECT"):
             deck.lose(name, "no material or property that is known here; state the part by hand")
         elif card in ("CQUAD4", "CTRIA3") and any(f[10:14]):
             thick[f[1]] = None
@@ -524,10 +583,24 @@ def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck
     for number in thick:
         deck.lose(f"property {number}", "some of its shells have thicknesses of their own")
     for number, f in shells.items():
-        bending, ratio = f[3], real(f[4]) or 1.0
-        if bending != f[1] or abs(ratio - 1) > ALIKE:
+        bending, ratio, t = f[3], real(f[4]) or 1.0, real(f[2])
+        layers: tuple[tuple[str, float, float], ...] = ()
+        if isinstance(deck.materials.get(f[1]), Ply):
+            layers = ((f[1], t, 0.0),)
+        if bending == f[1] and ratio > 1 + ALIKE and not layers:  # faces apart, as 12 I / t³ says, on a core that shears
+            apart = t / 2 * float(np.sqrt((4 * ratio - 1) / 3))
+            soft, depth = deck.materials.get(f[5]), apart - t / 2
+            share = real(f[6] or ".833333") * t * depth / apart**2
+            G = soft.modulus / (2 + 2 * soft.poisson_ratio) * share if isinstance(soft, Isotropic) else 0.0
+            core = f"core of PSHELL {number}"
+            deck.materials[core] = Ply(
+                modulus=0.0, across=0.0, poisson_ratio=0.0, shear=(0.0, G, G) if G else (0.0,), density=0.0
+            )
+            layers = ((f[1], t / 2, 0.0), (core, depth, 0.0), (f[1], t / 2, 0.0))
+        elif bending != f[1] or abs(ratio - 1) > ALIKE:
             deck.lose(f"PSHELL {number}", "it bends otherwise than its thickness says, or not at all")
-        deck.properties[number] = Property(material=f[1], thickness=real(f[2]), added=real(f[7]))
+        t = sum(thickness for _, thickness, _ in layers) or t
+        deck.properties[number] = Property(material=f[1], thickness=t, layers=layers, added=real(f[7]))
     for card, *f in springs:
         _spring(deck, card, f, laws, point)
     if not re.search(r"^\s*ENDDATA", whole, re.IGNORECASE | re.MULTILINE):
@@ -703,6 +776,16 @@ def _directions(letters: str) -> str:
     return f"[{', '.join(toml_file.string(MOTIONS[int(letter) - 1]) for letter in sorted(letters))}]"
 
 
+def _material(of: Isotropic | Ply, added: float, density: float, pressure: float) -> str:
+    """A material as TOML, with a density beside its own."""
+    moduli = f'"{of.modulus * pressure:.9g} Pa"'
+    if isinstance(of, Ply):
+        shear = ", ".join(f'"{G * pressure:.9g} Pa"' for G in of.shear)
+        moduli = f'[{moduli}, "{of.across * pressure:.9g} Pa"], shear_modulus = [{shear}]'
+    said = f'density = "{(of.density + added) * density:.9g} kg/m^3", youngs_modulus = {moduli}'
+    return f"{{ {said}, poisson_ratio = {of.poisson_ratio:.9g} }}"
+
+
 def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
     holds = deck.supports()
     held = holds.pop("", [])
@@ -718,17 +801,25 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
         if name not in deck.mesh.groups:
             continue
         table: dict[str, str] = {}
-        if (of := deck.materials.get(one.material)) is None:
-            deck.lose(f"part {name}", f"no material {one.material} that is known here; state it by hand")
+        missing = [of for of in dict.fromkeys((one.material, *(of for of, *_ in one.layers))) if of not in deck.materials]
+        if missing:
+            deck.lose(f"part {name}", f"no material {', '.join(missing)} that is known here; state it by hand")
         else:
-            more = one.added / one.across if one.added and one.across else 0.0
-            table["material"] = (
-                f'{{ density = "{(of.density + more) * density:.9g} kg/m^3", youngs_modulus = "{of.modulus * pressure:.9g} Pa", '
-                f"poisson_ratio = {of.poisson_ratio:.9g} }}{'  # with a mass beside its own' if more else ''}"
-            )
-        if of is not None and (lost := of.loss_factor + deck.loss_factor):
-            table["loss_factor"] = f"{lost:.9g}"
-        if one.thickness:
+            of, more = deck.materials[one.material], one.added / one.across if one.added and one.across else 0.0
+            said = "  # with a mass beside its own" if more else ""
+            if one.layers:
+                rows = [
+                    f"{{ material = {_material(deck.materials[ply], more, density, pressure)}, "
+                    f'thickness = "{thickness * system.length:.9g} m", angle = {angle:.9g} }}'
+                    for ply, thickness, angle in one.layers
+                ]
+                table["layers"] = "\n    ".join(["[" + said, *(f"{row}," for row in rows)]) + "\n]"
+                table |= {"offset": f'"{one.offset * system.length:.9g} m"'} if one.offset else {}
+            else:
+                table["material"] = _material(of, more, density, pressure) + said
+            if lost := (one.loss_factor or of.loss_factor) + deck.loss_factor:
+                table["loss_factor"] = f"{lost:.9g}"
+        if one.thickness and not one.layers:
             table["thickness"] = f'"{one.thickness * system.length:.9g} m"'
         if one.section:
             keys = [

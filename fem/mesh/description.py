@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fem.beam.elements import Section, moduli, rectangle, tube
-from fem.mesh import files
+from fem.mesh import files, shells
 from fem.user_model import description as text
 from fem.user_model import parts, units
 from geometry import toml_file, user_article
@@ -25,7 +25,8 @@ _KEYS = (
     *("name", "kind", "units", "file", "support", "interface", "reference_point", "places", "parts", "groups"),
     *("springs", "joints", "masses", "links", "holds", "loss_factor", "size", "left_out"),
 )
-_PART = ("material", "thickness", "section", "loss_factor", "tolerance")
+_PART = ("material", "thickness", "section", "layers", "x_axis", "offset", "loss_factor", "tolerance")
+_PLY = ("density", "youngs_modulus", "poisson_ratio", "shear_modulus")
 _TIED = ("stiffness", "loss_factor")
 _OPEN = ("Iyz", "neutral_axis", "shear")
 """What a section with an area, Iy, Iz and J may have beside."""
@@ -93,8 +94,10 @@ class PartTable:
 
     Attributes
     ----------
-    material : elastic
+    material : elastic; of layers what is as stiff in their plane, as far as one is, and as heavy
     thickness : of its shells [m], None where it has none
+    laminate : of its shells, None where they are of one material
+    x_axis : (3,) direction of the fibres whose angle is 0, None for that which an element states, or its first side
     section : of its beams, None where it has none
     z_axis : (3,) direction of the section's z axis, None for the upright one
     reach : [m] how far the surface of its beams is from their axis
@@ -105,6 +108,8 @@ class PartTable:
 
     material: Material
     thickness: float | None = None
+    laminate: shells.Laminate | None = None
+    x_axis: Array | None = None
     section: Profile | None = None
     z_axis: Array | None = None
     reach: float = 0.0
@@ -287,7 +292,11 @@ class _Table:
         raise self.wrong(key, "a place", remedy)
 
     def part(self, whole: float | None) -> PartTable:
-        material = self.material()
+        thickness, laminate = self.quantity("thickness", "length") if "thickness" in self.table else None, None
+        if "layers" in self.table:
+            laminate, thickness, material = self.layers()
+        else:
+            material = self.material()
         section, reach, z_axis, varied = None, 0.0, None, False
         if "section" in self.table:
             where = f"{self.where}.section"
@@ -305,7 +314,9 @@ class _Table:
         given = next((each for each in stated if each is not None), None)
         return PartTable(
             material=material,
-            thickness=self.quantity("thickness", "length") if "thickness" in self.table else None,
+            thickness=thickness,
+            laminate=laminate,
+            x_axis=self.direction("x_axis"),
             section=section,
             z_axis=z_axis,
             reach=reach,
@@ -313,6 +324,62 @@ class _Table:
             loss_factor=given,
             tolerance={key: value for key in tolerance.table if (value := tolerance.number(key, 10.0)) is not None},
         )
+
+    def layers(self) -> tuple[shells.Laminate, float, Material]:
+        """The laminate, its thickness [m], and the one material that it is most like."""
+        listed = self.table["layers"]
+        for key in ("material", "thickness"):
+            if key in self.table:
+                raise self.wrong(key, "left out beside `layers`", "State it of each layer")
+        if not isinstance(listed, list) or not listed or not all(isinstance(one, dict) for one in listed):
+            raise self.wrong("layers", "a list of layers", 'Write [{ material = "aluminium", thickness = "1 mm", angle = 0 }]')
+        where = f"{self.where}.layers"
+        tables = (_Table(source=self.source, where=f"{where}.{k}", table=one) for k, one in enumerate(listed, start=1))
+        several = [one.known(("material", "thickness", "angle")).layer() for one in tables]
+        offset = self.quantity("offset", "length", positive=False) if "offset" in self.table else 0.0
+        made, thickness = shells.Laminate.of(several, offset), float(sum(one.thickness for one in several))
+        A, B = made.membrane[0, 0] * made.membrane[1, 1], made.membrane[0, 1]
+        E, nu = (A - B**2) / np.sqrt(A) / thickness, min(B / np.sqrt(A), 0.49)
+        rho = made.masses[0] / thickness
+        return made, thickness, Material(name=where, density=rho, youngs_modulus=float(E), poisson_ratio=float(nu))
+
+    def layer(self) -> shells.Layer:
+        angle, value = self.table.get("angle", 0.0), self.table.get("material")
+        if isinstance(angle, bool) or not isinstance(angle, int | float):
+            raise self.wrong("angle", "a number of degrees", "Write angle = 45")
+        if isinstance(value, dict) and isinstance(value.get("youngs_modulus"), list):
+            own = _Table(source=self.source, where=f"{self.where}.material", table=value).known(_PLY)
+            E1, E2 = own.quantities("youngs_modulus", 2 * ("pressure",)).tolist()
+            given = value.get("shear_modulus")
+            G12, *across = own.quantities(
+                "shear_modulus", (3 if isinstance(given, list) and len(given) > 1 else 1) * ("pressure",)
+            )
+            nu, density = value.get("poisson_ratio"), own.quantity("density", "density", positive=False)
+            shrinks = 1 - nu**2 * E2 / max(E1, 1e-300) if isinstance(nu, int | float) else 0.0
+            if shrinks <= 0 or min(E1, E2, G12, density) < 0 or min(across, default=1.0) <= 0:
+                problem = "of a layer: no modulus or density below 0, and Poisson's ratio of strain across to strain along"
+                raise own.wrong("poisson_ratio", problem, "Write two youngs_modulus and three shear_modulus: 12, 13, 23")
+            plane = np.array([[E1, nu * E2, 0], [nu * E2, E2, 0], [0, 0, 0]]) / shrinks + np.diag([0, 0, G12])
+        else:
+            of = self.material()
+            E, mu = moduli(of)
+            plane, across, density = shells.plane_stress(E, E / (2 * mu) - 1), [mu, mu], of.density
+        return shells.Layer(
+            plane=plane,
+            across=np.array(across or [np.inf, np.inf]),
+            angle=float(np.radians(angle)),
+            thickness=self.quantity("thickness", "length"),
+            density=density,
+        )
+
+    def direction(self, key: str) -> Array | None:
+        if key not in self.table:
+            return None
+        value = self.table[key]
+        plain = isinstance(value, list) and len(value) == 3 and all(isinstance(v, int | float) for v in value)
+        if not plain or not 0 < np.linalg.norm(value) < 1e6:
+            raise self.wrong(key, "three numbers that are a direction", "Write it like [0, 0, 1]")
+        return np.array(value, dtype=np.float64)
 
     def material(self) -> Material:
         value = self.table.get("material")
@@ -328,13 +395,7 @@ class _Table:
         return found
 
     def section(self, material: Material) -> tuple[Profile, float, Array | None, bool]:
-        z_axis = None
-        if "z_axis" in self.table:
-            value = self.table["z_axis"]
-            plain = isinstance(value, list) and len(value) == 3 and all(isinstance(v, int | float) for v in value)
-            if not plain or not 0 < np.linalg.norm(value) < 1e6:
-                raise self.wrong("z_axis", "three numbers that are a direction", "Write it like [0, 0, 1]")
-            z_axis = np.array(value, dtype=np.float64)
+        z_axis = self.direction("z_axis")
         keys = {key for key in self.table if key not in ("z_axis", *_OPEN)}
         if keys == {"width", "height"}:
             width, height = self.quantity("width", "length"), self.quantity("height", "length")

@@ -79,6 +79,12 @@ class Block:
         """Where `some` elements are, (c, k, 3) or of one (k, 3): at their nodes, which are at `points`, or off them."""
         return np.asarray(points[self.nodes[some]] + (0.0 if self.offsets is None else self.offsets[some]))
 
+    def fibres(self, points: Array, x_axis: Array | None) -> Array:
+        """The first axis (c, 3) of its layers: the part's, that which the element states, or its first side."""
+        corners = self.corners(points)
+        side = corners[:, 1] - corners[:, 0] if x_axis is None else np.tile(x_axis, (len(corners), 1))
+        return side if self.axes is None or x_axis is not None else np.where(np.isfinite(self.axes), self.axes, side)
+
     def beam_axes(self, k: int, points: Array, table: PartTable) -> Array:
         """`beam_axes` of its beam `k`: the part's go before those that the element states.
 
