@@ -119,7 +119,8 @@ class Deck:
     masses : node and what it carries, by name
     links : (independent node, groups and numbers of nodes that ride on it) by name, and the directions in which they do by
         `riding`, all where it has none
-    means : (node that follows, numbers of the nodes whose mean motion it has) by name
+    means : (node that follows, numbers of the nodes whose mean motion it has) by name; by `weights` with its (shares, none
+        where all are alike, and whether their rotations count)
     springs : ((node,) or (node, other), six stiffnesses) by name
     held : letters of "123456" that each node is held in
     carried : cards that are carried over
@@ -135,6 +136,7 @@ class Deck:
     links: dict[str, tuple[int, list[int | str]]] = field(default_factory=dict)
     riding: dict[str, str] = field(default_factory=dict)
     means: dict[str, tuple[int, list[int]]] = field(default_factory=dict)
+    weights: dict[str, tuple[list[float], bool]] = field(default_factory=dict)
     springs: dict[str, tuple[tuple[int, ...], Array]] = field(default_factory=dict)
     held: dict[int, set[str]] = field(default_factory=dict)
     carried: dict[str, None] = field(default_factory=dict)
@@ -186,22 +188,29 @@ class Deck:
         self.carried[card] = None
 
     def spread(self, name: str, fields: Sequence[str]) -> None:
-        """A node that follows the mean motion of others: all with one weight, and their displacements alone."""
+        """A node that follows the mean motion of others, by their weights; by their rotations as well, or not at all."""
         f = [*fields, *6 * [""]]
         words = [text.upper() for text in f[4:] if text]
         words = words[: words.index("ALPHA")] if "ALPHA" in words else words
-        words = [] if "UM" in words else words  # other freedoms than its own depend
-        weights, nodes = dict[tuple[float, str], None](), list[str]()
-        while words:
-            word = words.pop(0)
-            if word.isdigit() or word == "THRU":
-                nodes.append(word)
-            else:
-                weights[real(word), words.pop(0) if words else ""] = None
-        if [freedoms for _, freedoms in weights] != ["123"] or not set(f[3]) >= TRANSLATIONS:
-            self.lose(name, "weights that differ, or freedoms other than 123")
+        dependent = "UM" in words  # other freedoms than its own depend
+        weights, freedoms, several = list[float](), set[str](), list[int]()
+        while words and not dependent:
+            weight, components = real(words.pop(0)), words.pop(0) if words else ""
+            count = next((k for k, word in enumerate(words) if not (word.isdigit() or word == "THRU")), len(words))
+            nodes, words = _listed(words[:count], name, self), words[count:]
+            several, weights = [*several, *nodes], [*weights, *len(nodes) * [weight]]
+            freedoms.add("".join(sorted(components)))
+        if (
+            dependent
+            or len(freedoms) != 1
+            or not freedoms <= {"123", "123456"}
+            or not set(f[3]) >= TRANSLATIONS
+            or min(weights) <= 0
+        ):
+            self.lose(name, "freedoms other than 123 or 123456, or UM")
             return
-        self.means[name] = int(f[2]), _listed(nodes, name, self)
+        self.means[name] = int(f[2]), several
+        self.weights[name] = [one / max(weights) for one in weights] if len(set(weights)) > 1 else [], freedoms == {"123456"}
         self.carried["RBE3"] = None
 
     def hold(self, text: str, fixed: Mapping[str, Sequence[Sequence[str]]]) -> None:
@@ -857,6 +866,9 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
     for name, node, key, nodes in joined:
         where = ", ".join(f'"{value * system.length:.12g} m"' for value in points[node].tolist())
         ways = {"directions": _directions(deck.riding[name])} if name in deck.riding else {}
+        shares, turning = deck.weights.get(name, ([], False)) if key == "mean_of" else ([], False)
+        ways |= {"weights": f"[{', '.join(f'{one:.9g}' for one in shares)}]"} if shares else {}
+        ways |= {"rotations": "true"} if turning else {}
         tables.append((f"links.{toml_file.string(name)}", {"at": f"[{where}]", key: named(nodes), **ways}))
     for letters, held in holds.items():
         where = toml_file.string("-".join(MOTIONS[int(letter) - 1] for letter in letters))

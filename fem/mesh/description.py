@@ -150,12 +150,15 @@ class PointMass:
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Link:
     """The nodes of the groups and numbers in `nodes` ride on a point at (3,) [m] in some `directions`, numbered as `MOTIONS`
-    are; or it `follows` their mean motion. Where they do not ride in all, what moves none of them is held."""
+    are; or it `follows` their mean motion, by the `weights` of `nodes`, alike where none are stated, and by their `rotations` as
+    well. Where they do not ride in all, what moves none of them is held."""
 
     at: tuple[float, float, float]
     nodes: tuple[int | str, ...]
     directions: tuple[int, ...] = tuple(range(6))
     follows: bool = False
+    weights: tuple[float, ...] = ()
+    rotations: bool = False
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -477,7 +480,21 @@ class _Table:
         for other in ("nodes", "directions"):
             if key == "mean_of" and other in self.table:
                 raise self.wrong(other, "left out beside `mean_of`", "Nodes ride on a link, or it follows their mean motion")
-        return Link(at=at, nodes=self.nodes(key), directions=self.directions(), follows=key == "mean_of")
+            if key == "nodes" and {"weights", "rotations"} & set(self.table):
+                raise self.wrong("weights", "left out but beside `mean_of`", "What rides on a link has no weight")
+        nodes, weights, rotations = self.nodes(key), self.table.get("weights", []), self.table.get("rotations", False)
+        if not isinstance(weights, list) or not all(isinstance(one, int | float) and one > 0 for one in weights):
+            raise self.wrong("weights", "a list of positive numbers", "Write one for each entry of `mean_of`")
+        if weights and len(weights) != len(nodes):
+            raise self.wrong("weights", f"{len(nodes)} numbers, one for each entry of `mean_of`", "Write one for each")
+        return Link(
+            at=at,
+            nodes=nodes,
+            directions=self.directions(),
+            follows=key == "mean_of",
+            weights=tuple(weights),
+            rotations=rotations is True,
+        )
 
     def nodes(self, key: str = "nodes") -> tuple[int | str, ...]:
         nodes = self.table.get(key)
@@ -588,7 +605,10 @@ def read(path: Path) -> MeshDescription:
         springs=springs,
         joints={name: each.joint() for name, each in table.tables("joints", ("between", "at", *_TIED)).items()},
         masses={name: each.mass() for name, each in table.tables("masses", ("at", "mass", "cog", "moments")).items()},
-        links={name: each.link() for name, each in table.tables("links", ("at", "nodes", "directions", "mean_of")).items()},
+        links={
+            name: each.link()
+            for name, each in table.tables("links", ("at", "nodes", "directions", "mean_of", "weights", "rotations")).items()
+        },
         holds=holds,
         stated=_Table(source=source, where="stated", table=whole.get("stated", {})).stated(),
     )

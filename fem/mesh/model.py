@@ -732,8 +732,11 @@ class _Made:
         if at in self.found.places and self.found.places[at] != at:
             return self.motion(self.found.places[at], field)
         if (link := self.found.links.get(at)) and link.follows:
-            followed = _chosen(self.found, self.sets, self.elements.node_tags, link.nodes, f"links.{at}.mean_of")
-            return self.elements.mean(followed, np.array(link.at), turning=False)
+            several = [
+                _chosen(self.found, self.sets, self.elements.node_tags, (one,), f"links.{at}.mean_of") for one in link.nodes
+            ]
+            weights = np.repeat(link.weights or np.ones(len(several)), [len(one) for one in several])
+            return self.elements.mean(np.concatenate(several), np.array(link.at), link.rotations, weights)
         nodes = _set(self.found, self.sets, at, field)
         if len(nodes) == 1:
             return self.elements.node(int(nodes[0]))

@@ -241,10 +241,11 @@ class Elements:
         whole[:3, :3], whole[3:, 3:] = np.eye(3), turned[3:]
         return self._sparse(whole, dofs)
 
-    def mean(self, nodes: Integers, point: Array, turning: bool = True) -> Sparse:
+    def mean(self, nodes: Integers, point: Array, turning: bool = True, weights: Array | None = None) -> Sparse:
         """The rigid motion of `nodes`, seen at `point` (3,) [m], nearest to what they do; (6, n).
 
         Rotations of nodes count as displacements at an arm as long as the group is wide; if not `turning`, they do not count.
+        By `weights` (p,) the arm is the mean distance to the point, as in Nastran.
 
         Raises
         ------
@@ -253,16 +254,18 @@ class Elements:
         offsets = self.points[nodes] - self.points[nodes].mean(axis=0)
         wide = float(np.sqrt(np.mean(np.sum(offsets**2, axis=1))))
         wide = wide or float(np.ptp(self.points, axis=0).max()) * 1e-3
-        blocks, dofs, weights = [], [], []
-        for index in nodes.tolist():
+        shares = np.sqrt(np.ones(len(nodes)) if weights is None else weights)
+        arm = wide if weights is None else float(np.linalg.norm(self.points[nodes] - point, axis=1).mean()) or wide
+        blocks, dofs, counts = [], [], []
+        for index, share in zip(nodes.tolist(), shares.tolist(), strict=True):
             T = np.zeros((6, 6))
             T[:3] = rigid_transformation(self.points[index] - point)
             T[3:, 3:] = np.eye(3)
             count = 6 if turning and self.turning[index] else 3
             blocks.append(T[:count])
             dofs.append(self.first[index] + np.arange(count))
-            weights.append(np.array([1.0, 1.0, 1.0, wide, wide, wide])[:count])
-        W = np.concatenate(weights)
+            counts.append(share * np.array([1.0, 1.0, 1.0, arm, arm, arm])[:count])
+        W = np.concatenate(counts)
         scale = np.array([1.0, 1.0, 1.0, wide, wide, wide])
         A = W[:, None] * np.vstack(blocks) / scale
         if np.linalg.svd(A, compute_uv=False)[-1] < 1e-6:
