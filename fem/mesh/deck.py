@@ -29,6 +29,9 @@ diamond and osmium: units in which a deck's materials are outside are not its ow
 CORE = 0.02
 """[1] Modulus of layers, as a share of the stiffest material's, below which they are a core. By definition."""
 
+LIGHT = 1e-3
+"""[kg/m³] Density of what a deck gives no mass, a thousandth of that of air, as a material of a description has some."""
+
 HEAVY = 300.0
 """[kg/m³] that the heaviest material of a structure exceeds, as light wood does: nothing is of foam alone. Held there, too."""
 
@@ -39,26 +42,16 @@ TRANSLATIONS, ALL = frozenset("123"), frozenset("123456")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Isotropic:
-    """A material as the deck has it: modulus, Poisson's ratio and density in its own units, and its loss factor."""
+class Elastic:
+    """A material as the deck has it: modulus, Poisson's ratio and density in its own units, and its loss factor; where it has
+    fibres the modulus is along them, `across` is that across, and `shear` is of 12, and of 13 and 23 where that gives."""
 
     modulus: float
     poisson_ratio: float
     density: float
     loss_factor: float = 0.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Ply:
-    """A material that is stiff along its fibres, as the deck has it: moduli along and across, and of shear 12, 13, 23; the last
-    two are left out where they do not give."""
-
-    modulus: float
-    across: float
-    poisson_ratio: float
-    shear: tuple[float, ...]
-    density: float
-    loss_factor: float = 0.0
+    across: float = 0.0
+    shear: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,7 +123,7 @@ class Deck:
     """
 
     mesh: MeshFile
-    materials: dict[str, Isotropic | Ply] = field(default_factory=dict)
+    materials: dict[str, Elastic] = field(default_factory=dict)
     properties: dict[str, Property] = field(default_factory=dict)
     masses: dict[str, tuple[int, Rider]] = field(default_factory=dict)
     links: dict[str, tuple[int, list[int | str]]] = field(default_factory=dict)
@@ -192,21 +185,16 @@ class Deck:
         f = [*fields, *6 * [""]]
         words = [text.upper() for text in f[4:] if text]
         words = words[: words.index("ALPHA")] if "ALPHA" in words else words
-        dependent = "UM" in words  # other freedoms than its own depend
+        words = [] if "UM" in words else words  # other freedoms than its own depend
         weights, freedoms, several = list[float](), set[str](), list[int]()
-        while words and not dependent:
+        while words:
             weight, components = real(words.pop(0)), words.pop(0) if words else ""
             count = next((k for k, word in enumerate(words) if not (word.isdigit() or word == "THRU")), len(words))
             nodes, words = _listed(words[:count], name, self), words[count:]
             several, weights = [*several, *nodes], [*weights, *len(nodes) * [weight]]
             freedoms.add("".join(sorted(components)))
-        if (
-            dependent
-            or len(freedoms) != 1
-            or not freedoms <= {"123", "123456"}
-            or not set(f[3]) >= TRANSLATIONS
-            or min(weights) <= 0
-        ):
+        known = freedoms in ({"123"}, {"123456"}) and set(f[3]) >= TRANSLATIONS
+        if not known or min(weights) <= 0:
             self.lose(name, "freedoms other than 123 or 123456, or UM")
             return
         self.means[name] = int(f[2]), several
@@ -257,19 +245,16 @@ class Deck:
             self.lose(name, f"its layers are to be taken as {word}")
         whole = sum(thickness for _, thickness, _ in layers)
         offset = real(f[1]) + whole / 2 if f[1] else 0.0  # Z0 is where the lower face is
+        of, nsm, loss = layers[0][0] if layers else "", real(f[2]), real(f[6])
         self.properties[f[0]] = Property(
-            material=layers[0][0] if layers else "",
-            thickness=whole,
-            layers=tuple(layers),
-            offset=offset,
-            added=real(f[2]),
-            loss_factor=real(f[6]),
+            material=of, thickness=whole, layers=tuple(layers), offset=offset, added=nsm, loss_factor=loss
         )
 
     def beam_property(self, card: str, f: Sequence[str]) -> None:
         name, section = f"{card} {f[0]}", dict[str, float]()
         added = 0.0
-        neutral_axis, shear = (0.0, 0.0), (0.0, 0.0)
+        neutral_axis: tuple[float, ...] = ()
+        shear: tuple[float, ...] = ()
         if card in ("PBAR", "PBEAM"):
             if card == "PBAR":
                 (A, I1, I2, J, added), I12, (K1, K2) = map(real, f[2:7]), real(f[18]), map(real, f[16:18])
@@ -301,13 +286,9 @@ class Deck:
             added = real(f[8 + _SIZES.get(kind, 0)]) if section else 0.0
             if card == "PBEAML" and f[9 + _SIZES.get(kind, 0)]:
                 self.lose(name, "a taper; it is as at its first end")
-        self.properties[f[0]] = Property(
-            material=f[1],
-            section=section,
-            added=added,
-            neutral_axis=neutral_axis if any(neutral_axis) else (),
-            shear=tuple(one or np.inf for one in shear) if any(shear) and len(section) > 1 else (),
-        )
+        shear = tuple(one or np.inf for one in shear) if any(shear) and len(section) > 1 else ()
+        off = neutral_axis if any(neutral_axis) else ()
+        self.properties[f[0]] = Property(material=f[1], section=section, added=added, neutral_axis=off, shear=shear)
 
     def _stations(self, name: str, f: Sequence[str]) -> tuple[list[float], Sequence[str]]:
         """Of a PBEAM the means along it of area, I1, I2, I12, J and mass, and its fields behind its stations."""
@@ -488,7 +469,7 @@ def _believed(deck: Deck, system: UnitSystem) -> bool:
     """Whether the materials of the deck are some when it is in `system`."""
     heaviest, stiffest = 0.0, max(one.modulus for one in deck.materials.values())
     for one in deck.materials.values():
-        if isinstance(one, Ply) and one.modulus < CORE * stiffest:
+        if one.shear and one.modulus < CORE * stiffest:
             continue
         E = one.modulus * system.mass / (system.length * system.time**2)
         rho = one.density * deck.weight * system.mass / system.length**3
@@ -523,7 +504,7 @@ def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck
             E, G, nu = (real(f[k]) for k in (1, 2, 3))
             nu = nu if f[3] or not G else E / (2 * G) - 1
             modulus = E or 2 * G * (1 + nu)
-            deck.materials[f[0]] = Isotropic(modulus=modulus, poisson_ratio=nu, density=real(f[4]), loss_factor=real(f[7]))
+            deck.materials[f[0]] = Elastic(modulus=modulus, poisson_ratio=nu, density=real(f[4]), loss_factor=real(f[7]))
         elif card == "PARAM" and f[0].upper() == "WTMASS":
             deck.weight = real(f[1])
         elif card == "PARAM" and f[0].upper() == "G":
@@ -538,14 +519,8 @@ def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck
             deck.rod_property(card, f)
         elif card == "MAT8":
             shear = tuple(map(real, f[4:7] if real(f[5]) and real(f[6]) else f[4:5]))
-            deck.materials[f[0]] = Ply(
-                modulus=real(f[1]),
-                across=real(f[2]),
-                poisson_ratio=real(f[3]),
-                shear=shear,
-                density=real(f[7]),
-                loss_factor=real(f[16]),
-            )
+            E1, E2, nu, rho, loss = (real(f[k]) for k in (1, 2, 3, 7, 16))
+            deck.materials[f[0]] = Elastic(modulus=E1, across=E2, poisson_ratio=nu, shear=shear, density=rho, loss_factor=loss)
         elif card in ("PCOMP", "PCOMPG"):
             deck.layered(card, own)
         elif card in ("PBCOMP", "PLSOLID", "MAT2", "MAT9", "MAT10", "PBMSECT"):
@@ -592,20 +567,15 @@ def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck
     for number in thick:
         deck.lose(f"property {number}", "some of its shells have thicknesses of their own")
     for number, f in shells.items():
-        bending, ratio, t = f[3], real(f[4]) or 1.0, real(f[2])
-        layers: tuple[tuple[str, float, float], ...] = ()
-        if isinstance(deck.materials.get(f[1]), Ply):
-            layers = ((f[1], t, 0.0),)
+        bending, ratio, t, of, soft = f[3], real(f[4]) or 1.0, real(f[2]), deck.materials.get(f[1]), deck.materials.get(f[5])
+        layers: tuple[tuple[str, float, float], ...] = ((f[1], t, 0.0),) if of and of.shear else ()
         if bending == f[1] and ratio > 1 + ALIKE and not layers:  # faces apart, as 12 I / t³ says, on a core that shears
             apart = t / 2 * float(np.sqrt((4 * ratio - 1) / 3))
-            soft, depth = deck.materials.get(f[5]), apart - t / 2
-            share = real(f[6] or ".833333") * t * depth / apart**2
-            G = soft.modulus / (2 + 2 * soft.poisson_ratio) * share if isinstance(soft, Isotropic) else 0.0
-            core = f"core of PSHELL {number}"
-            deck.materials[core] = Ply(
-                modulus=0.0, across=0.0, poisson_ratio=0.0, shear=(0.0, G, G) if G else (0.0,), density=0.0
-            )
-            layers = ((f[1], t / 2, 0.0), (core, depth, 0.0), (f[1], t / 2, 0.0))
+            G = soft.modulus / (2 + 2 * soft.poisson_ratio) if soft and not soft.shear else 0.0
+            G *= real(f[6] or ".833333") * t * (apart - t / 2) / apart**2
+            core, stiff = f"core of PSHELL {number}", (0.0, G, G) if G else (0.0,)
+            deck.materials[core] = Elastic(modulus=0.0, poisson_ratio=0.0, density=0.0, shear=stiff)
+            layers = ((f[1], t / 2, 0.0), (core, apart - t / 2, 0.0), (f[1], t / 2, 0.0))
         elif bending != f[1] or abs(ratio - 1) > ALIKE:
             deck.lose(f"PSHELL {number}", "it bends otherwise than its thickness says, or not at all")
         t = sum(thickness for _, thickness, _ in layers) or t
@@ -639,10 +609,11 @@ def _spring(deck: Deck, card: str, f: Sequence[str], laws: Mapping[str, Sequence
     if card == "CBUSH":
         law, ends = laws.get(f"PBUSH {f[1] or f[0]}"), [int(text) for text in f[2:4] if text.isdigit() and int(text)]
         apart = len(ends) == 2 and bool(np.any(point[ends[0]] != point[ends[1]]))
-        if law is None or law[1].upper() != "K" or (f[7] != "0" and (f[7] or apart or any(f[4:7]))):
+        six = np.array([real(text) for text in law[2:8]] if law else [])
+        turned = f[7] != "0" and (f[7] or apart or any(f[4:7])) and max(len(set(six[:3])), len(set(six[3:]))) > 1
+        if law is None or law[1].upper() != "K" or turned:
             deck.lose(name, "no PBUSH with K, or in axes of its own")
             return
-        six = np.array([real(text) for text in law[2:8]])
     else:
         stiffness = real(f[1] if card == "CELAS2" else laws.get(f"PELAS {f[1] or f[0]}", ("", ""))[1])
         pairs = [(int(f[k]), f[k + 1]) for k in (2, 4) if f[k].isdigit() and int(f[k])]
@@ -754,7 +725,7 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
     for name, row in elastic.items():
         nu = real(row[1]) if row[1:] and row[1] else 0.0
         rho, lost = dense.get(name, 0.0), losses.get(name, 0.0)
-        deck.materials[name] = Isotropic(modulus=real(row[0]), poisson_ratio=nu, density=rho, loss_factor=lost)
+        deck.materials[name] = Elastic(modulus=real(row[0]), poisson_ratio=nu, density=rho, loss_factor=lost)
     return deck
 
 
@@ -785,13 +756,13 @@ def _directions(letters: str) -> str:
     return f"[{', '.join(toml_file.string(MOTIONS[int(letter) - 1]) for letter in sorted(letters))}]"
 
 
-def _material(of: Isotropic | Ply, added: float, density: float, pressure: float) -> str:
+def _material(of: Elastic, added: float, density: float, pressure: float) -> str:
     """A material as TOML, with a density beside its own."""
     moduli = f'"{of.modulus * pressure:.9g} Pa"'
-    if isinstance(of, Ply):
+    if of.shear:
         shear = ", ".join(f'"{G * pressure:.9g} Pa"' for G in of.shear)
         moduli = f'[{moduli}, "{of.across * pressure:.9g} Pa"], shear_modulus = [{shear}]'
-    said = f'density = "{(of.density + added) * density:.9g} kg/m^3", youngs_modulus = {moduli}'
+    said = f'density = "{(of.density + added) * density or LIGHT:.9g} kg/m^3", youngs_modulus = {moduli}'
     return f"{{ {said}, poisson_ratio = {of.poisson_ratio:.9g} }}"
 
 

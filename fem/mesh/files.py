@@ -165,11 +165,8 @@ class _Raw:
             if len(lost):
                 problem = f"{len(lost)} element(s) have nodes that the file does not hold, the first is {list(elements)[lost[0]]}"
                 raise BadInput(source=source, field="elements", problem=problem, remedy=_AGAIN)
-            axes, offsets, loose = (
-                np.full((len(nodes), 3), np.nan),
-                np.zeros((len(nodes), wanted, 3)),
-                np.zeros((len(nodes), 12), bool),
-            )
+            n = len(nodes)
+            axes, offsets, loose = np.full((n, 3), np.nan), np.zeros((n, wanted, 3)), np.zeros((n, 12), dtype=np.bool_)
             for index, tag in enumerate(elements):
                 if tag in self.axes:
                     axes[index] = self.axes[tag]

@@ -75,15 +75,12 @@ class Laminate:
     height: float = 0.0
 
     @classmethod
-    def of(cls, layers: Sequence[Layer], height: float = 0.0, added: float = 0.0) -> "Laminate":
-        """Of `layers`, with a mass `added` [kg/m²] in their middle.
-
-        Along either axis transverse shear is spread as the equilibrium of a strip asks for that bends about its neutral plane,
-        5/6 of G t of one layer (Whitney, J. Appl. Mech. 40, 1973).
-        """
+    def of(cls, layers: Sequence[Layer], height: float = 0.0) -> "Laminate":
+        """Of `layers`; along either axis transverse shear is spread as the equilibrium of a strip asks for that bends about its
+        neutral plane, 5/6 of G t of one layer (Whitney, J. Appl. Mech. 40, 1973)."""
         ends = np.cumsum([0.0, *(one.thickness for one in layers)])
         ends -= ends[-1] / 2
-        moments, masses, planes, softness = np.zeros((3, 3, 3)), np.array([added, 0.0, 0.0]), [], []
+        moments, masses, planes, softness = np.zeros((3, 3, 3)), np.zeros(3), [], []
         for one, low, high in zip(layers, ends, ends[1:], strict=False):
             c, s = np.cos(one.angle), np.sin(one.angle)
             turn = np.array([[c * c, s * s, s * c], [s * s, c * c, -s * c], [-2 * s * c, 2 * s * c, c * c - s * s]])
@@ -97,11 +94,8 @@ class Laminate:
         neutral, passed, soft = first / stretched, np.zeros(2), np.zeros((2, 2))
         X, W = np.polynomial.legendre.leggauss(3)
         for Q, each, low, high in zip(planes, softness, ends, ends[1:], strict=False):
-            flow = [
-                passed - np.diag(Q)[:2] * ((z - neutral) ** 2 - (low - neutral) ** 2) / 2
-                for z in (low + high + X * (high - low)) / 2
-            ]
-            flow.append(passed - np.diag(Q)[:2] * ((high - neutral) ** 2 - (low - neutral) ** 2) / 2)
+            stretch, heights = np.diag(Q)[:2], [*((low + high + X * (high - low)) / 2), high]
+            flow = [passed - stretch * ((z - neutral) ** 2 - (low - neutral) ** 2) / 2 for z in heights]
             soft += sum(w * (high - low) / 2 * each * np.outer(one, one) for w, one in zip(W, flow, strict=False))
             passed = flow[-1]
         stiff = np.outer(bending := second - neutral * first, bending)

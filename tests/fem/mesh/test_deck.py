@@ -207,6 +207,21 @@ def test_a_node_follows_by_weights_and_by_rotations_as_in_nastran(
     np.testing.assert_allclose([carried[0, 4], carried[1, 3]], [0.1 * hub[2] / 1e3, -0.1 * hub[2] / 1e3], rtol=1e-6)
 
 
+def test_what_a_deck_gives_no_mass_has_hardly_any(tmp_path: Path) -> None:
+    """A film that is stretched over a frame, as on the wing of a model aircraft, and a bar that only ties."""
+    more = ["MAT1,2,70000.,,.3", "PSHELL,2,2,.02,2,,2", "CTRIA3,2,2,3,4,5", "PBAR,3,2,5.", "CBAR,3,3,2,5,0.,1.,0."]
+    found = []
+    for own in ([], more):
+        (tmp_path / "one.bdf").write_text("\n".join([*PLATE, *own, "ENDDATA", ""]))
+        written, lost = deck.described(tmp_path / "one.bdf")
+        assert lost == ()
+        (tmp_path / "one.toml").write_text(written)
+        made = model.load(tmp_path / "one.toml")[1]
+        found.append(made.mass.diagonal().sum())
+        assert lowest(made.stiffness, made.mass, 3).values[0] > 0
+    assert found[1] == pytest.approx(found[0], rel=1e-6)
+
+
 def test_cards_that_repeat_the_one_before(tmp_path: Path) -> None:
     """Twelve beams in a row by six cards, as the same written out."""
     (tmp_path / "one.bdf").write_text(
