@@ -7,7 +7,7 @@ Whatever else weighs, holds or joins is listed as lost, and never passed over.
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -64,7 +64,7 @@ class Property:
     thickness : of shells, else 0
     section : keys of a beam's or rod's section with their values, none of others
     z_axis : direction of the section's height; none where the elements state it, or nothing does
-    layers : material, thickness and angle [degrees] of each, from the lower face up, and their `offset` from the nodes
+    layers : material, thickness and angle [degrees] from the `x_axis` of each, from the lower face up; `offset` of their middle
     neutral_axis, shear : as in `fem.mesh.description.Profile`
     added : mass of no stiffness per area of shells or length of beams
     loss_factor : in place of that of the material, where it is not 0
@@ -77,6 +77,7 @@ class Property:
     neutral_axis: tuple[float, ...] = ()
     shear: tuple[float, ...] = ()
     layers: tuple[tuple[str, float, float], ...] = ()
+    x_axis: tuple[float, ...] = ()
     offset: float = 0.0
     added: float = 0.0
     loss_factor: float = 0.0
@@ -569,7 +570,9 @@ def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck
     for number, f in shells.items():
         bending, ratio, t, of, soft = f[3], real(f[4]) or 1.0, real(f[2]), deck.materials.get(f[1]), deck.materials.get(f[5])
         layers: tuple[tuple[str, float, float], ...] = ((f[1], t, 0.0),) if of and of.shear else ()
-        if bending == f[1] and ratio > 1 + ALIKE and not layers:  # faces apart, as 12 I / t³ says, on a core that shears
+        if (
+            bending == f[1] and ratio > 1 + ALIKE and t > 0 and not layers
+        ):  # faces apart, as 12 I / t³ says, on a core that shears
             apart = t / 2 * float(np.sqrt((4 * ratio - 1) / 3))
             G = soft.modulus / (2 + 2 * soft.poisson_ratio) if soft and not soft.shear else 0.0
             G *= real(f[6] or ".833333") * t * (apart - t / 2) / apart**2
@@ -643,6 +646,9 @@ def _numbers(mesh: MeshFile, named: Iterable[int | str]) -> list[int]:
 
 # Abaqus and CalculiX: keywords with rows of data, of the model and of its first step.
 
+FIBRES = {"LAMINA": range(6), "ENGINEERING CONSTANTS": (0, 1, 3, 6, 7, 8)}
+"""Where moduli along and across fibres, Poisson's ratio and shear moduli 12, 13 and 23 stand, by the type of elasticity."""
+
 _HELD_AS = {"ENCASTRE": "123456", "PINNED": "123", "XSYMM": "156", "YSYMM": "246", "ZSYMM": "345"}
 
 
@@ -673,6 +679,8 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
     elastic, dense, losses = dict[str, list[str]](), dict[str, float](), dict[str, float]()
     point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
     loose: dict[str, list[tuple[str, list[int]]]] = {}
+    fibres, oriented = dict[str, list[float]](), dict[str, str]()
+    ways: dict[str, tuple[tuple[float, ...], float]] = {}
     for keyword, options, rows in _blocks(path):
         o, first = {key: value.upper() for key, value in options.items()}, (rows or [[""]])[0]
         group = _called(mesh, options.get("ELSET", ""))
@@ -680,10 +688,14 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
         if keyword == "MATERIAL":
             material = o["NAME"]
         elif keyword == "ELASTIC":
-            if o.get("TYPE", "ISO") not in ("ISO", "ISOTROPIC"):
+            several = [text for row in rows for text in [*row, *8 * [""]][:8]]
+            kind = o.get("TYPE", "ISO")
+            if kind in FIBRES:
+                fibres[material] = [real(several[k]) for k in FIBRES[kind]]
+            elif kind not in ("ISO", "ISOTROPIC"):
                 deck.lose(f"*MATERIAL {material}", "it is not isotropic; state the part by hand")
             elastic[material] = first
-            if len(rows) > 1:
+            if len(rows) > 1 and kind not in FIBRES:
                 deck.lose(f"*ELASTIC of {material}", "it changes with temperature; the first row is taken")
         elif keyword == "DENSITY":
             dense[material] = real(first[0])
@@ -693,9 +705,27 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
             lines = any(kind in files.BEAMS for kind in mesh.groups.get(group, {}))  # a truss, and its area
             deck.properties[group] = Property(material=o["MATERIAL"], section={"area": real(first[0]) or 1.0} if lines else {})
         elif keyword == "SHELL SECTION":
-            if real(o.get("OFFSET", "0") if o.get("OFFSET", "0") not in ("SPOS", "SNEG") else "0.5") or "COMPOSITE" in o:
-                deck.lose(name, "layers, or a plane that is off its nodes")
-            deck.properties[group] = Property(material=o.get("MATERIAL", ""), thickness=real(first[0]))
+            share = o.get("OFFSET", "0.")  # of the thickness, from the middle up to the nodes
+            off = {"SPOS": 0.5, "SNEG": -0.5}[share] if share in ("SPOS", "SNEG") else real(share)
+            layers: list[tuple[str, float, float]] = []
+            if "COMPOSITE" in o:
+                for thickness, _, of, *angle in ([*row, "", ""] for row in rows):
+                    named = angle[0] and not re.fullmatch(r"[-+.\dEeDd]+", angle[0])
+                    if named:
+                        deck.lose(name, f"the orientation {angle[0]} of a layer")
+                    layers.append((of.upper(), real(thickness), 0.0 if named else real(angle[0])))
+            elif off or o.get("MATERIAL") in fibres:
+                layers = [(o["MATERIAL"], real(first[0]), 0.0)]
+            whole = sum(one for _, one, _ in layers)
+            of, oriented[group] = layers[0][0] if layers else o["MATERIAL"], o.get("ORIENTATION", "")
+            deck.properties[group] = Property(
+                material=of, thickness=whole or real(first[0]), layers=tuple(layers), offset=-off * whole
+            )
+        elif keyword == "ORIENTATION":
+            turns = real(rows[1][1]) if len(rows) > 1 and len(rows[1]) > 1 else 0.0
+            ways[o["NAME"]] = tuple(real(text) for text in first[:3]), turns
+            if o.get("SYSTEM", "RECTANGULAR") != "RECTANGULAR" or (turns and rows[1][0] != "3"):
+                deck.lose(name, "axes that are not of one rectangular system, turned about its third")
         elif keyword == "BEAM SECTION":
             deck.beam_section(name, group, o, rows)
         elif keyword == "ELEMENT" and o.get("TYPE") in files.LOOSE:
@@ -720,12 +750,20 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
             open_step = keyword == "STEP"
         elif files.carries(keyword):
             deck.lose(name, "a keyword that is not known here")
+    for group, name in oriented.items():
+        along, turns = ways.get(name, ((1.0, 0.0, 0.0), 0.0))
+        one = deck.properties[group]
+        layers = [(of, thickness, angle + turns) for of, thickness, angle in one.layers]
+        deck.properties[group] = replace(one, layers=tuple(layers), x_axis=along if layers else ())
     if open_step:
         deck.lose("the end", "a *STEP has no *END STEP, and the deck may be cut short")
     for name, row in elastic.items():
         nu = real(row[1]) if row[1:] and row[1] else 0.0
         rho, lost = dense.get(name, 0.0), losses.get(name, 0.0)
-        deck.materials[name] = Elastic(modulus=real(row[0]), poisson_ratio=nu, density=rho, loss_factor=lost)
+        E, across, nu, *shear = fibres.get(name, [real(row[0]), 0.0, nu])
+        deck.materials[name] = Elastic(
+            modulus=E, across=across, poisson_ratio=nu, shear=tuple(shear), density=rho, loss_factor=lost
+        )
     return deck
 
 
@@ -782,6 +820,7 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
             continue
         table: dict[str, str] = {}
         missing = [of for of in dict.fromkeys((one.material, *(of for of, *_ in one.layers))) if of not in deck.materials]
+        missing += [one.material] if not missing and deck.materials[one.material].shear and not one.layers else []
         if missing:
             deck.lose(f"part {name}", f"no material {', '.join(missing)} that is known here; state it by hand")
         else:
@@ -794,6 +833,7 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
                     for ply, thickness, angle in one.layers
                 ]
                 table["layers"] = "\n    ".join(["[" + said, *(f"{row}," for row in rows)]) + "\n]"
+                table |= {"x_axis": f"[{', '.join(f'{value:.9g}' for value in one.x_axis)}]"} if one.x_axis else {}
                 table |= {"offset": f'"{one.offset * system.length:.9g} m"'} if one.offset else {}
             else:
                 table["material"] = _material(of, more, density, pressure) + said

@@ -339,6 +339,8 @@ class _Table:
         where = f"{self.where}.layers"
         tables = (_Table(source=self.source, where=f"{where}.{k}", table=one) for k, one in enumerate(listed, start=1))
         several = [one.known(("material", "thickness", "angle")).layer() for one in tables]
+        if max(one.plane[1, 1] for one in several) <= 0:
+            raise self.wrong("layers", "stiff in their plane, one of them at least", "State the faces")
         offset = self.quantity("offset", "length", positive=False) if "offset" in self.table else 0.0
         made, thickness = shells.Laminate.of(several, offset), float(sum(one.thickness for one in several))
         A, B = made.membrane[0, 0] * made.membrane[1, 1], made.membrane[0, 1]

@@ -146,7 +146,7 @@ class _Raw:
     node_groups: dict[str, list[int]]
     axes: Mapping[int, Array] = field(default_factory=dict)
     offsets: Mapping[int, Array] = field(default_factory=dict)
-    loose: Mapping[int, list[int]] = field(default_factory=dict)
+    loose: Mapping[int, npt.NDArray[np.bool_]] = field(default_factory=dict)
     coordinates: Coordinates | None = None
     called: Mapping[str, str] = field(default_factory=dict)
 
@@ -165,21 +165,13 @@ class _Raw:
             if len(lost):
                 problem = f"{len(lost)} element(s) have nodes that the file does not hold, the first is {list(elements)[lost[0]]}"
                 raise BadInput(source=source, field="elements", problem=problem, remedy=_AGAIN)
-            n = len(nodes)
-            axes, offsets, loose = np.full((n, 3), np.nan), np.zeros((n, wanted, 3)), np.zeros((n, 12), dtype=np.bool_)
-            for index, tag in enumerate(elements):
-                if tag in self.axes:
-                    axes[index] = self.axes[tag]
-                if tag in self.offsets:
-                    offsets[index] = self.offsets[tag]
-                loose[index, self.loose.get(tag, [])] = True
             cells[kind] = Cells(
                 kind=kind,
                 tags=np.array(list(elements), dtype=np.int64),
                 nodes=at.astype(np.intp),
-                axes=None if np.isnan(axes).all() else axes,
-                offsets=offsets if offsets.any() else None,
-                loose=loose if loose.any() else None,
+                axes=_stated(elements, self.axes, np.nan),
+                offsets=_stated(elements, self.offsets, 0.0),
+                loose=_stated(elements, self.loose, False),
             )
             for index, tag in enumerate(elements):
                 if tag in where:
@@ -210,6 +202,16 @@ class _Raw:
             coordinates=self.coordinates,
             called=self.called,
         )
+
+
+def _stated(elements: Mapping[int, Any], table: Mapping[int, npt.NDArray[Any]], fill: float) -> npt.NDArray[Any] | None:
+    """What `table` says of each of the elements, (c, ...) with `fill` where it says nothing; None where it does so of all."""
+    own = {index: table[tag] for index, tag in enumerate(elements) if tag in table} if table else {}
+    if not own:
+        return None
+    found = np.full((len(elements), *next(iter(own.values())).shape), fill)
+    found[list(own)] = list(own.values())
+    return found
 
 
 # Abaqus and CalculiX: *NODE, *ELEMENT, *NSET and *ELSET, in free format.
@@ -394,30 +396,34 @@ def _nastran(path: Path, left_out: LeftOut) -> _Raw:
     apart |= {name: list(apart[number]) for number, name in called.items() if number in apart and name not in apart}
     nodes = {number: where.place(number) for number in where.grids}
     raw = _Raw(nodes=nodes, elements=elements, groups=apart, node_groups={}, coordinates=where, called=called)
-    axes, offsets, loose = dict[int, Array](), dict[int, Array](), dict[int, list[int]]()
+    axes, offsets, loose = dict[int, Array](), dict[int, Array](), dict[int, npt.NDArray[np.bool_]]()
     for card, kind, fields in stating:
         tag, f = int(fields[0]), [*filled(fields, usual.get(card[1:], [])), *16 * [""]]
         own = [node for node in elements[kind][tag] if node in nodes]
-        at = np.array([nodes[node] for node in own])
-        if kind in BEAMS and len(own) == 2:
-            axes[tag], offsets[tag] = _beam_states(f, own, at, nodes, where)
-            loose[tag] = [6 * end + LOOSE_AS[letter] for end in (0, 1) for letter in f[8 + end] if letter in LOOSE_AS]
-        elif kind in SHELLS and len(own) > 2:
-            turn, off = shell_states(kind, f)
-            normal = np.cross(at[1] - at[0], at[2] - at[0])
-            normal = normal / max(float(np.linalg.norm(normal)), 1e-300)
+        at, off = np.array([nodes[node] for node in own]), np.zeros(3)
+        if len(own) != len(elements[kind][tag]):
+            continue  # which is refused
+        side = at[1] - at[0]
+        if kind in BEAMS:
+            axes[tag], off = _beam_states(f, own, at, nodes, where)
+            if any(f[8:10]):
+                loose[tag] = np.array([LOOSE_AS[k] in f[8 + end] for end in (0, 1) for k in range(6)])
+        else:
+            first = 14 if kind == "quad8" else 2 + len(own)
+            turn, normal = f[first], np.cross(side, at[2] - at[0])
+            normal, side = (one / max(float(np.linalg.norm(one)), 1e-300) for one in (normal, side))
             if turn.isdigit():
                 axes[tag] = where.system(turn).directions(at.mean(axis=0))[0]
-            elif real(turn):
-                angle, side = np.radians(real(turn)), (at[1] - at[0]) / max(float(np.linalg.norm(at[1] - at[0])), 1e-300)
+            elif angle := np.radians(real(turn)):
                 axes[tag] = np.cos(angle) * side + np.sin(angle) * np.cross(normal, side)
-            if real(off):
-                offsets[tag] = np.tile(real(off) * normal, (len(at), 1))
+            off = np.tile(real(f[first + 1]) * normal, (len(own), 1))
+        if off.any():
+            offsets[tag] = off
     return replace(raw, axes=axes, offsets=offsets, loose=loose)
 
 
-LOOSE_AS = dict(zip("123456", (0, 2, 1, 3, 5, 4), strict=True))
-"""Freedoms of a beam's end in Nastran as motions in the axes of a section, whose z is y there, and whose y is -z."""
+LOOSE_AS = "132465"
+"""Motions of a beam's end in the axes of its section as freedoms of Nastran, whose y is z here, and whose z is -y."""
 
 
 def filled(fields: Sequence[str], usual: Sequence[str]) -> list[str]:
@@ -425,12 +431,6 @@ def filled(fields: Sequence[str], usual: Sequence[str]) -> list[str]:
     found = [*fields, *8 * [""]][: max(len(fields), 8)]
     at = [k for k in (1, 4, 5, 6, 7) if k in (1, 7) or not any(found[4:7])]
     return [[*usual, *8 * [""]][k] if k in at and not text else text for k, text in enumerate(found)]
-
-
-def shell_states(kind: str, f: Sequence[str]) -> tuple[str, str]:
-    """Angle [degrees] or system of the axes of a shell with those fields, and how far it is off its nodes."""
-    first = 14 if kind == "quad8" else 2 + int(kind[-1])
-    return f[first], f[first + 1]
 
 
 def _beam_states(

@@ -586,14 +586,14 @@ def _assembled(elements: Elements) -> tuple[dict[str, Sparse], dict[str, Sparse]
                 for triangle, share in shells.TRIANGLES[block.kind]:
                     for some in _batches(len(block.nodes), 18):
                         nodes, corners = block.nodes[some][:, triangle], block.corners(elements.points, some)[:, triangle]
-                        off = corners - elements.points[nodes]
                         if part.laminate is not None:
+                            off = corners - elements.points[nodes]
                             flat, bent, M = shells.layered(corners, part.laminate, fibres[some], off)
                         else:
                             flat, bent, M = shells.matrices(corners, part.thickness or 0.0, E, nu, density)
-                            if block.offsets is not None:
-                                T = shells.carried(off)
-                                flat, bent, M = (T.swapaxes(1, 2) @ one @ T for one in (flat, bent, M))
+                        if block.offsets is not None and part.laminate is None:
+                            T = shells.carried(corners - elements.points[nodes])
+                            flat, bent, M = (T.swapaxes(1, 2) @ one @ T for one in (flat, bent, M))
                         dofs = (elements.first[nodes][:, :, None] + SIX).reshape(len(nodes), -1)
                         kinds["linear"].add(dofs, share * flat)
                         kinds["cubic"].add(dofs, share * bent)

@@ -37,6 +37,9 @@ OF_JUMPS = {"hex8": 0.75, **dict.fromkeys(shells.TRIANGLES, 0.25)}
 26 modes of hexahedra of eight nodes, and -0.8 to 1.0 times in 72 of shells, which do not meet along their edges and may be too
 soft. Held likewise."""
 
+UPRIGHT = 1e-3
+"""[1] Sine of the angle to a shell's normal below which a direction says nothing of it. By definition."""
+
 QUARTERS = {
     "tet": ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)),
     "wedge": ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)),
@@ -80,10 +83,16 @@ class Block:
         return np.asarray(points[self.nodes[some]] + (0.0 if self.offsets is None else self.offsets[some]))
 
     def fibres(self, points: Array, x_axis: Array | None) -> Array:
-        """The first axis (c, 3) of its layers: the part's, that which the element states, or its first side."""
+        """The first axis (c, 3) of its layers: the part's, or that which the element states, or its first side where neither is
+        or where it is upright."""
         corners = self.corners(points)
-        side = corners[:, 1] - corners[:, 0] if x_axis is None else np.tile(x_axis, (len(corners), 1))
-        return side if self.axes is None or x_axis is not None else np.where(np.isfinite(self.axes), self.axes, side)
+        side, other = (corners[:, k] - corners[:, 0] for k in (1, 2))
+        stated = self.axes if x_axis is None else x_axis[None]
+        if stated is None:
+            return side
+        across = np.cross(stated, normal := np.cross(side, other))
+        lies = np.linalg.norm(across, axis=1) > UPRIGHT * np.linalg.norm(stated, axis=1) * np.linalg.norm(normal, axis=1)
+        return np.where(lies[:, None], stated, side)  # NaN is not above either
 
     def beam_axes(self, k: int, points: Array, table: PartTable) -> Array:
         """`beam_axes` of its beam `k`: the part's go before those that the element states.

@@ -217,6 +217,62 @@ def test_layers_that_are_none_are_refused(change: tuple[str, str], words: str, t
         model.load(tmp_path / "one.toml")
 
 
+def abaqus(section: str, elastic: str, density: float, more: str = "") -> str:
+    """The clamped plate of 120 x 80 mm of `rectangle` in words of Abaqus."""
+    lines = ["*NODE", *(line.removeprefix("GRID,").replace(",,", ",") for line in rectangle(120.0, 80.0, 6, 4) if "GRID" in line)]
+    lines += ["*ELEMENT, TYPE=S4, ELSET=P"]
+    rings = [line.split(",") for line in rectangle(120.0, 80.0, 6, 4) if "CQUAD4" in line]
+    lines += [",".join([row[1], *row[3:]]) for row in rings]
+    lines += ["*MATERIAL, NAME=M", f"*ELASTIC{elastic}", "*DENSITY", f"{density}", more, section, "*BOUNDARY"]
+    return "\n".join([*(one for one in lines if one), *(f"{node}, 1, 6" for node in edge(6, 4, 0)), ""])
+
+
+ORIENTED = "*ORIENTATION, NAME=O\n0., 1., 0., -1., 0., 0.\n3, 15."
+
+
+@pytest.mark.parametrize(
+    ("section", "prop", "quad"),
+    [
+        ("*SHELL SECTION, ELSET=P, COMPOSITE\n1., 3, M, 30.\n.5, 3, M, -45.", comp((1.0, 30.0), (0.5, -45.0)), ""),
+        (
+            f"{ORIENTED}\n*SHELL SECTION, ELSET=P, COMPOSITE, ORIENTATION=O, OFFSET=SPOS\n1., , M\n2., , M, 40.",
+            comp((1.0, 105.0), (2.0, 145.0), head=",-3."),
+            "",
+        ),
+        ("*SHELL SECTION, ELSET=P, MATERIAL=M, OFFSET=-0.25\n2.", comp((2.0, 0.0)), ",,.5"),
+    ],
+)
+@pytest.mark.parametrize("kind", ["LAMINA", "ENGINEERING CONSTANTS", ""])
+def test_layers_of_abaqus_are_those_of_nastran(section: str, prop: str, quad: str, kind: str, tmp_path: Path) -> None:
+    moduli = {
+        "LAMINA": f"{E1}, {E2}, {NU}, {G12}, {G13}, {G23}",
+        "ENGINEERING CONSTANTS": f"{E1}, {E2}, {E2}, {NU}, {NU}, 0.3, {G12}, {G13}\n{G23}",
+        "": f"{E2}, {NU}",
+    }[kind]
+    word = f", TYPE={kind}" if kind else ""
+    (tmp_path / "two.inp").write_text(abaqus(section, f"{word}\n{moduli}", RHO))
+    written, lost = deck.described(tmp_path / "two.inp", "mm-t-N-s")
+    assert lost == ()
+    (tmp_path / "two.toml").write_text(written)
+    card = CARBON if kind else f"MAT1,2,{E2},,{NU},{RHO}"
+    wanted = hertz(described([card, prop, *clamped(6, 4), *rectangle(120.0, 80.0, 6, 4, quad)], tmp_path))
+    np.testing.assert_allclose(hertz(model.load(tmp_path / "two.toml")[1]), wanted, rtol=1e-6)
+
+
+def test_an_axis_that_is_upright_on_a_shell_says_nothing_of_it(tmp_path: Path) -> None:
+    upright = "*ORIENTATION, NAME=O\n0., 0., 1., 1., 0., 0."
+    (tmp_path / "two.inp").write_text(
+        abaqus(
+            f"{upright}\n*SHELL SECTION, ELSET=P, COMPOSITE, ORIENTATION=O\n1., 3, M, 0.",
+            f", TYPE=LAMINA\n{E1}, {E2}, {NU}, {G12}, {G13}, {G23}",
+            RHO,
+        )
+    )
+    (tmp_path / "two.toml").write_text(deck.described(tmp_path / "two.inp", "mm-t-N-s")[0])
+    wanted = hertz(described([CARBON, comp((1.0, 0.0)), *clamped(6, 4), *rectangle(120.0, 80.0, 6, 4)], tmp_path))
+    np.testing.assert_allclose(hertz(model.load(tmp_path / "two.toml")[1]), wanted, rtol=1e-6)
+
+
 CALCULIX = shutil.which(os.environ.get("CALCULIX", "ccx"))
 
 
