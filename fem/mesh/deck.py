@@ -26,6 +26,12 @@ ELASTIC, DENSE, SOUND = (1e6, 1.3e12), (5.0, 22_600.0), (30.0, 14_000.0)
 """Young's modulus [Pa], density [kg/m³] and speed of sound [m/s] between which materials lie, from soft rubber and foam to
 diamond and osmium: units in which a deck's materials are outside are not its own. Held by tests/fem/mesh/test_deck.py."""
 
+CORE = 0.02
+"""[1] Modulus of layers, as a share of the stiffest material's, below which they are a core. By definition."""
+
+LIGHT = 1e-3
+"""[kg/m³] Density of what a deck gives no mass, a thousandth of that of air, as a material of a description has some."""
+
 HEAVY = 300.0
 """[kg/m³] that the heaviest material of a structure exceeds, as light wood does: nothing is of foam alone. Held there, too."""
 
@@ -36,13 +42,16 @@ TRANSLATIONS, ALL = frozenset("123"), frozenset("123456")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Isotropic:
-    """A material as the deck has it: modulus, Poisson's ratio and density in its own units, and its loss factor."""
+class Elastic:
+    """A material as the deck has it: modulus, Poisson's ratio and density in its own units, and its loss factor; where it has
+    fibres the modulus is along them, `across` is that across, and `shear` is of 12, and of 13 and 23 where that gives."""
 
     modulus: float
     poisson_ratio: float
     density: float
     loss_factor: float = 0.0
+    across: float = 0.0
+    shear: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,15 +63,24 @@ class Property:
     material : its name or number
     thickness : of shells, else 0
     section : keys of a beam's or rod's section with their values, none of others
-    z_axis : direction of the section's height; none where the deck has several or none
+    z_axis : direction of the section's height; none where the elements state it, or nothing does
+    layers : material, thickness and angle [degrees] from the `x_axis` of each, from the lower face up; `offset` of their middle
+    neutral_axis, shear : as in `fem.mesh.description.Profile`
     added : mass of no stiffness per area of shells or length of beams
+    loss_factor : in place of that of the material, where it is not 0
     """
 
     material: str
     thickness: float = 0.0
     section: Mapping[str, float] = field(default_factory=dict)
     z_axis: tuple[float, ...] = ()
+    neutral_axis: tuple[float, ...] = ()
+    shear: tuple[float, ...] = ()
+    layers: tuple[tuple[str, float, float], ...] = ()
+    x_axis: tuple[float, ...] = ()
+    offset: float = 0.0
     added: float = 0.0
+    loss_factor: float = 0.0
 
     @property
     def across(self) -> float:
@@ -95,7 +113,8 @@ class Deck:
     masses : node and what it carries, by name
     links : (independent node, groups and numbers of nodes that ride on it) by name, and the directions in which they do by
         `riding`, all where it has none
-    means : (node that follows, numbers of the nodes whose mean motion it has) by name
+    means : (node that follows, numbers of the nodes whose mean motion it has) by name; by `weights` with its (shares, none
+        where all are alike, and whether their rotations count)
     springs : ((node,) or (node, other), six stiffnesses) by name
     held : letters of "123456" that each node is held in
     carried : cards that are carried over
@@ -105,12 +124,13 @@ class Deck:
     """
 
     mesh: MeshFile
-    materials: dict[str, Isotropic] = field(default_factory=dict)
+    materials: dict[str, Elastic] = field(default_factory=dict)
     properties: dict[str, Property] = field(default_factory=dict)
     masses: dict[str, tuple[int, Rider]] = field(default_factory=dict)
     links: dict[str, tuple[int, list[int | str]]] = field(default_factory=dict)
     riding: dict[str, str] = field(default_factory=dict)
     means: dict[str, tuple[int, list[int]]] = field(default_factory=dict)
+    weights: dict[str, tuple[list[float], bool]] = field(default_factory=dict)
     springs: dict[str, tuple[tuple[int, ...], Array]] = field(default_factory=dict)
     held: dict[int, set[str]] = field(default_factory=dict)
     carried: dict[str, None] = field(default_factory=dict)
@@ -162,22 +182,24 @@ class Deck:
         self.carried[card] = None
 
     def spread(self, name: str, fields: Sequence[str]) -> None:
-        """A node that follows the mean motion of others: all with one weight, and their displacements alone."""
+        """A node that follows the mean motion of others, by their weights; by their rotations as well, or not at all."""
         f = [*fields, *6 * [""]]
         words = [text.upper() for text in f[4:] if text]
         words = words[: words.index("ALPHA")] if "ALPHA" in words else words
         words = [] if "UM" in words else words  # other freedoms than its own depend
-        weights, nodes = dict[tuple[float, str], None](), list[str]()
+        weights, freedoms, several = list[float](), set[str](), list[int]()
         while words:
-            word = words.pop(0)
-            if word.isdigit() or word == "THRU":
-                nodes.append(word)
-            else:
-                weights[real(word), words.pop(0) if words else ""] = None
-        if [freedoms for _, freedoms in weights] != ["123"] or not set(f[3]) >= TRANSLATIONS:
-            self.lose(name, "weights that differ, or freedoms other than 123")
+            weight, components = real(words.pop(0)), words.pop(0) if words else ""
+            count = next((k for k, word in enumerate(words) if not (word.isdigit() or word == "THRU")), len(words))
+            nodes, words = _listed(words[:count], name, self), words[count:]
+            several, weights = [*several, *nodes], [*weights, *len(nodes) * [weight]]
+            freedoms.add("".join(sorted(components)))
+        known = freedoms in ({"123"}, {"123456"}) and set(f[3]) >= TRANSLATIONS
+        if not known or min(weights) <= 0:
+            self.lose(name, "freedoms other than 123 or 123456, or UM")
             return
-        self.means[name] = int(f[2]), _listed(nodes, name, self)
+        self.means[name] = int(f[2]), several
+        self.weights[name] = [one / max(weights) for one in weights] if len(set(weights)) > 1 else [], freedoms == {"123456"}
         self.carried["RBE3"] = None
 
     def hold(self, text: str, fixed: Mapping[str, Sequence[Sequence[str]]]) -> None:
@@ -209,15 +231,44 @@ class Deck:
             self.lose(name, "its stiffness in torsion")
         self.properties[group] = Property(material=material, section={"area": area}, added=added)
 
+    def layered(self, card: str, f: Sequence[str]) -> None:
+        """A laminate, of PCOMP with four fields a layer, of PCOMPG with eight; what they leave out is that of the one before."""
+        name, layers = f"{card} {f[0]}", list[tuple[str, float, float]]()
+        skip, step = (0, 4) if card == "PCOMP" else (1, 8)
+        rows = [f[k + skip : k + skip + 4] for k in range(8, len(f) - 3, step)]
+        for material, thickness, angle, *output in rows:
+            if material or thickness or angle or output[0]:
+                before = layers[-1] if layers else ("", 0.0, 0.0)
+                layers.append((material or before[0], real(thickness) if thickness else before[1], real(angle)))
+        if (word := f[7].upper()) == "SYM":
+            layers += layers[::-1]
+        elif word:
+            self.lose(name, f"its layers are to be taken as {word}")
+        whole = sum(thickness for _, thickness, _ in layers)
+        offset = real(f[1]) + whole / 2 if f[1] else 0.0  # Z0 is where the lower face is
+        of, nsm, loss = layers[0][0] if layers else "", real(f[2]), real(f[6])
+        self.properties[f[0]] = Property(
+            material=of, thickness=whole, layers=tuple(layers), offset=offset, added=nsm, loss_factor=loss
+        )
+
     def beam_property(self, card: str, f: Sequence[str]) -> None:
         name, section = f"{card} {f[0]}", dict[str, float]()
         added = 0.0
+        neutral_axis: tuple[float, ...] = ()
+        shear: tuple[float, ...] = ()
         if card in ("PBAR", "PBEAM"):
-            A, I1, I2 = (real(f[k]) for k in (2, 3, 4))
-            J, added = (real(f[5]), real(f[6])) if card == "PBAR" else (real(f[6]), real(f[7]))
-            section = {"area": A, "Iy": I1, "Iz": I2, "J": J}
-            if card == "PBEAM" and (real(f[5]) or any(f[k] and abs(real(f[k]) / A - 1) > ALIKE for k in (18, 26) if real(f[k]))):
-                self.lose(name, "a product of inertia, or a taper")
+            if card == "PBAR":
+                (A, I1, I2, J, added), I12, (K1, K2) = map(real, f[2:7]), real(f[18]), map(real, f[16:18])
+            else:
+                (A, I1, I2, I12, J, added), rest = self._stations(name, f)
+                K1, K2 = (real(text or "1.") for text in rest[:2])
+                n = [real(text) for text in (*rest[12:14], rest[14] or rest[12], rest[15] or rest[13])]
+                # The section's z is Nastran's y, and its y is -z there
+                neutral_axis = -(n[1] + n[3]) / 2, (n[0] + n[2]) / 2
+                if any(map(real, (*rest[2:4], *rest[8:12]))):
+                    self.lose(name, "its shear relief, or a mass beside its axis")
+            shear = K2, K1
+            section = {"area": A, "Iy": I1, "Iz": I2, "J": J} | ({"Iyz": -I12} if I12 else {}) if I1 or I2 or J else {"area": A}
         else:
             d = [real(text) for text in f[8:12]]
             kind = f[3].upper()
@@ -234,7 +285,26 @@ class Deck:
             else:
                 self.lose(name, f"a section of kind {kind}")
             added = real(f[8 + _SIZES.get(kind, 0)]) if section else 0.0
-        self.properties[f[0]] = Property(material=f[1], section=section, added=added)
+            if card == "PBEAML" and f[9 + _SIZES.get(kind, 0)]:
+                self.lose(name, "a taper; it is as at its first end")
+        shear = tuple(one or np.inf for one in shear) if any(shear) and len(section) > 1 else ()
+        off = neutral_axis if any(neutral_axis) else ()
+        self.properties[f[0]] = Property(material=f[1], section=section, added=added, neutral_axis=off, shear=shear)
+
+    def _stations(self, name: str, f: Sequence[str]) -> tuple[list[float], Sequence[str]]:
+        """Of a PBEAM the means along it of area, I1, I2, I12, J and mass, and its fields behind its stations."""
+        at = 8 if f[8].upper() in ("YES", "YESA", "NO") else 16
+        stations = {0.0: [real(text) for text in f[2:8]]}
+        while (word := f[at].upper()) in ("YES", "YESA", "NO"):
+            own = [real(text) if text else first for text, first in zip(f[at + 2 : at + 8], stations[0.0], strict=True)]
+            stations[real(f[at + 1])] = own
+            at += 16 if word == "YES" else 8
+        x = np.array(sorted(stations))
+        values = np.array([stations[one] for one in x])
+        if np.any(np.ptp(values, axis=0) > ALIKE * np.abs(values).max(axis=0)):
+            self.lose(name, "a taper; it has the means along it")
+        means = np.trapezoid(values, x, axis=0) + values[-1] * (1 - x[-1])
+        return means.tolist(), f[at:]
 
     def beam_section(self, name: str, group: str, o: Mapping[str, str], rows: Sequence[Sequence[str]]) -> None:
         """Along its first direction, which the second row says, a rectangle has the first of its two sizes."""
@@ -398,8 +468,10 @@ def _system(deck: Deck, source: str) -> UnitSystem:
 
 def _believed(deck: Deck, system: UnitSystem) -> bool:
     """Whether the materials of the deck are some when it is in `system`."""
-    heaviest = 0.0
+    heaviest, stiffest = 0.0, max(one.modulus for one in deck.materials.values())
     for one in deck.materials.values():
+        if one.shear and one.modulus < CORE * stiffest:
+            continue
         E = one.modulus * system.mass / (system.length * system.time**2)
         rho = one.density * deck.weight * system.mass / system.length**3
         if not ELASTIC[0] <= E <= ELASTIC[1]:
@@ -424,9 +496,8 @@ def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck
     deck, fixed = Deck(mesh=mesh), dict[str, list[list[str]]]()
     whole = "\n".join(line.text for line in deck_lines(path))
     point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
-    upright: dict[str, list[Array]] = {}
     springs, laws = list[list[str]](), dict[str, list[str]]()
-    shells, together = dict[str, list[str]](), dict[str, list[str]]()
+    shells, together, thick = dict[str, list[str]](), dict[str, list[str]](), dict[str, None]()
     for card, *own in cards(path):
         f = [*own, *(40 * [""])]
         name = f"{card} {f[0]}"
@@ -434,7 +505,7 @@ def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck
             E, G, nu = (real(f[k]) for k in (1, 2, 3))
             nu = nu if f[3] or not G else E / (2 * G) - 1
             modulus = E or 2 * G * (1 + nu)
-            deck.materials[f[0]] = Isotropic(modulus=modulus, poisson_ratio=nu, density=real(f[4]), loss_factor=real(f[7]))
+            deck.materials[f[0]] = Elastic(modulus=modulus, poisson_ratio=nu, density=real(f[4]), loss_factor=real(f[7]))
         elif card == "PARAM" and f[0].upper() == "WTMASS":
             deck.weight = real(f[1])
         elif card == "PARAM" and f[0].upper() == "G":
@@ -447,19 +518,16 @@ def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck
             deck.beam_property(card, f)
         elif card in ("PROD", "PTUBE", "CONROD"):
             deck.rod_property(card, f)
-        elif card in ("PCOMP", "PCOMPG", "PBCOMP", "PLSOLID", "MAT2", "MAT8", "MAT9", "MAT10", "PBMSECT"):
+        elif card == "MAT8":
+            shear = tuple(map(real, f[4:7] if real(f[5]) and real(f[6]) else f[4:5]))
+            E1, E2, nu, rho, loss = (real(f[k]) for k in (1, 2, 3, 7, 16))
+            deck.materials[f[0]] = Elastic(modulus=E1, across=E2, poisson_ratio=nu, shear=shear, density=rho, loss_factor=loss)
+        elif card in ("PCOMP", "PCOMPG"):
+            deck.layered(card, own)
+        elif card in ("PBCOMP", "PLSOLID", "MAT2", "MAT9", "MAT10", "PBMSECT"):
             deck.lose(name, "no material or property that is known here; state the part by hand")
-        elif card in ("CBAR", "CBEAM"):
-            other = point.get(int(f[4])) if f[4].isdigit() and not f[5] else None
-            to = np.array([real(f[k]) for k in (4, 5, 6)]) if other is None else other - point[int(f[2])]
-            axes = where.freedoms(int(f[2])) if other is None and f[7].upper() != "BGG" else None
-            to = to if axes is None else to @ axes
-            upright.setdefault(f[1] or f[0], []).append(to / max(float(np.linalg.norm(to)), 1e-300))
-            if any(real(f[k]) for k in range(8, 16)):
-                deck.lose(name, "pinned or offset ends")
-        elif card in ("CQUAD4", "CTRIA3", "CQUADR", "CTRIAR"):
-            if real(f[7 if "QUAD" in card else 6]):
-                deck.lose(name, "its plane is off its nodes (ZOFFS)")
+        elif card in ("CQUAD4", "CTRIA3") and any(f[10:14]):
+            thick[f[1]] = None
         elif card == "CONM2":
             node, number = int(f[1]), f[2] or coordinates.BASIC
             xx, yx, yy, zx, zy, zz = (real(f[k]) for k in range(8, 14))
@@ -497,18 +565,24 @@ def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck
                 deck.held.setdefault(int(f[0]), set()).update(letters)
         elif not (card in files.NASTRAN or _IDLE.fullmatch(card)):
             deck.lose(name, "a card that is not known here")
+    for number in thick:
+        deck.lose(f"property {number}", "some of its shells have thicknesses of their own")
     for number, f in shells.items():
-        bending, ratio = f[3], real(f[4]) or 1.0
-        if bending != f[1] or abs(ratio - 1) > ALIKE:
+        bending, ratio, t, of, soft = f[3], real(f[4]) or 1.0, real(f[2]), deck.materials.get(f[1]), deck.materials.get(f[5])
+        layers: tuple[tuple[str, float, float], ...] = ((f[1], t, 0.0),) if of and of.shear else ()
+        if (
+            bending == f[1] and ratio > 1 + ALIKE and t > 0 and not layers
+        ):  # faces apart, as 12 I / t³ says, on a core that shears
+            apart = t / 2 * float(np.sqrt((4 * ratio - 1) / 3))
+            G = soft.modulus / (2 + 2 * soft.poisson_ratio) if soft and not soft.shear else 0.0
+            G *= real(f[6] or ".833333") * t * (apart - t / 2) / apart**2
+            core, stiff = f"core of PSHELL {number}", (0.0, G, G) if G else (0.0,)
+            deck.materials[core] = Elastic(modulus=0.0, poisson_ratio=0.0, density=0.0, shear=stiff)
+            layers = ((f[1], t / 2, 0.0), (core, apart - t / 2, 0.0), (f[1], t / 2, 0.0))
+        elif bending != f[1] or abs(ratio - 1) > ALIKE:
             deck.lose(f"PSHELL {number}", "it bends otherwise than its thickness says, or not at all")
-        deck.properties[number] = Property(material=f[1], thickness=real(f[2]), added=real(f[7]))
-    for number, one in deck.properties.items():
-        if one.section:
-            z_axis = _one_direction(upright.get(number, []))
-            if not z_axis and not _round(one.section):
-                deck.lose(f"property {number}", "its beams are turned in more than one way; state a part for each")
-            section = one.section if z_axis or _round(one.section) else {}
-            deck.properties[number] = replace(one, section=section, z_axis=z_axis)
+        t = sum(thickness for _, thickness, _ in layers) or t
+        deck.properties[number] = Property(material=f[1], thickness=t, layers=layers, added=real(f[7]))
     for card, *f in springs:
         _spring(deck, card, f, laws, point)
     if not re.search(r"^\s*ENDDATA", whole, re.IGNORECASE | re.MULTILINE):
@@ -533,28 +607,16 @@ def _listed(fields: Sequence[str], name: str, deck: Deck) -> list[int]:
     return found
 
 
-def _round(section: Mapping[str, float]) -> bool:
-    """Whether a section bends alike whichever way it is turned."""
-    y, z = (section.get(one, section.get(other, 0.0)) for one, other in (("width", "Iy"), ("height", "Iz")))
-    return abs(y - z) <= ALIKE * max(y, z)
-
-
-def _one_direction(directions: Iterable[Array]) -> tuple[float, ...]:
-    """The direction that all have, whichever way it points; none where they differ."""
-    every = list(directions)
-    alike = every and all(float(np.linalg.norm(np.cross(every[0], one))) <= ALIKE for one in every) and np.any(every[0])
-    return tuple(every[0].tolist()) if alike else ()
-
-
 def _spring(deck: Deck, card: str, f: Sequence[str], laws: Mapping[str, Sequence[str]], point: Mapping[int, Array]) -> None:
     name = f"{card} {f[0]}"
     if card == "CBUSH":
         law, ends = laws.get(f"PBUSH {f[1] or f[0]}"), [int(text) for text in f[2:4] if text.isdigit() and int(text)]
         apart = len(ends) == 2 and bool(np.any(point[ends[0]] != point[ends[1]]))
-        if law is None or law[1].upper() != "K" or (f[7] != "0" and (f[7] or apart or any(f[4:7]))):
+        six = np.array([real(text) for text in law[2:8]] if law else [])
+        turned = f[7] != "0" and (f[7] or apart or any(f[4:7])) and max(len(set(six[:3])), len(set(six[3:]))) > 1
+        if law is None or law[1].upper() != "K" or turned:
             deck.lose(name, "no PBUSH with K, or in axes of its own")
             return
-        six = np.array([real(text) for text in law[2:8]])
     else:
         stiffness = real(f[1] if card == "CELAS2" else laws.get(f"PELAS {f[1] or f[0]}", ("", ""))[1])
         pairs = [(int(f[k]), f[k + 1]) for k in (2, 4) if f[k].isdigit() and int(f[k])]
@@ -583,6 +645,9 @@ def _numbers(mesh: MeshFile, named: Iterable[int | str]) -> list[int]:
 
 
 # Abaqus and CalculiX: keywords with rows of data, of the model and of its first step.
+
+FIBRES = {"LAMINA": range(6), "ENGINEERING CONSTANTS": (0, 1, 3, 6, 7, 8)}
+"""Where moduli along and across fibres, Poisson's ratio and shear moduli 12, 13 and 23 stand, by the type of elasticity."""
 
 _HELD_AS = {"ENCASTRE": "123456", "PINNED": "123", "XSYMM": "156", "YSYMM": "246", "ZSYMM": "345"}
 
@@ -614,6 +679,8 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
     elastic, dense, losses = dict[str, list[str]](), dict[str, float](), dict[str, float]()
     point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
     loose: dict[str, list[tuple[str, list[int]]]] = {}
+    fibres, oriented = dict[str, list[float]](), dict[str, str]()
+    ways: dict[str, tuple[tuple[float, ...], float]] = {}
     for keyword, options, rows in _blocks(path):
         o, first = {key: value.upper() for key, value in options.items()}, (rows or [[""]])[0]
         group = _called(mesh, options.get("ELSET", ""))
@@ -621,10 +688,14 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
         if keyword == "MATERIAL":
             material = o["NAME"]
         elif keyword == "ELASTIC":
-            if o.get("TYPE", "ISO") not in ("ISO", "ISOTROPIC"):
+            several = [text for row in rows for text in [*row, *8 * [""]][:8]]
+            kind = o.get("TYPE", "ISO")
+            if kind in FIBRES:
+                fibres[material] = [real(several[k]) for k in FIBRES[kind]]
+            elif kind not in ("ISO", "ISOTROPIC"):
                 deck.lose(f"*MATERIAL {material}", "it is not isotropic; state the part by hand")
             elastic[material] = first
-            if len(rows) > 1:
+            if len(rows) > 1 and kind not in FIBRES:
                 deck.lose(f"*ELASTIC of {material}", "it changes with temperature; the first row is taken")
         elif keyword == "DENSITY":
             dense[material] = real(first[0])
@@ -634,9 +705,27 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
             lines = any(kind in files.BEAMS for kind in mesh.groups.get(group, {}))  # a truss, and its area
             deck.properties[group] = Property(material=o["MATERIAL"], section={"area": real(first[0]) or 1.0} if lines else {})
         elif keyword == "SHELL SECTION":
-            if real(o.get("OFFSET", "0") if o.get("OFFSET", "0") not in ("SPOS", "SNEG") else "0.5") or "COMPOSITE" in o:
-                deck.lose(name, "layers, or a plane that is off its nodes")
-            deck.properties[group] = Property(material=o.get("MATERIAL", ""), thickness=real(first[0]))
+            share = o.get("OFFSET", "0.")  # of the thickness, from the middle up to the nodes
+            off = {"SPOS": 0.5, "SNEG": -0.5}[share] if share in ("SPOS", "SNEG") else real(share)
+            layers: list[tuple[str, float, float]] = []
+            if "COMPOSITE" in o:
+                for thickness, _, of, *angle in ([*row, "", ""] for row in rows):
+                    named = angle[0] and not re.fullmatch(r"[-+.\dEeDd]+", angle[0])
+                    if named:
+                        deck.lose(name, f"the orientation {angle[0]} of a layer")
+                    layers.append((of.upper(), real(thickness), 0.0 if named else real(angle[0])))
+            elif off or o.get("MATERIAL") in fibres:
+                layers = [(o["MATERIAL"], real(first[0]), 0.0)]
+            whole = sum(one for _, one, _ in layers)
+            of, oriented[group] = layers[0][0] if layers else o["MATERIAL"], o.get("ORIENTATION", "")
+            deck.properties[group] = Property(
+                material=of, thickness=whole or real(first[0]), layers=tuple(layers), offset=-off * whole
+            )
+        elif keyword == "ORIENTATION":
+            turns = real(rows[1][1]) if len(rows) > 1 and len(rows[1]) > 1 else 0.0
+            ways[o["NAME"]] = tuple(real(text) for text in first[:3]), turns
+            if o.get("SYSTEM", "RECTANGULAR") != "RECTANGULAR" or (turns and rows[1][0] != "3"):
+                deck.lose(name, "axes that are not of one rectangular system, turned about its third")
         elif keyword == "BEAM SECTION":
             deck.beam_section(name, group, o, rows)
         elif keyword == "ELEMENT" and o.get("TYPE") in files.LOOSE:
@@ -661,12 +750,20 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
             open_step = keyword == "STEP"
         elif files.carries(keyword):
             deck.lose(name, "a keyword that is not known here")
+    for group, name in oriented.items():
+        along, turns = ways.get(name, ((1.0, 0.0, 0.0), 0.0))
+        one = deck.properties[group]
+        layers = [(of, thickness, angle + turns) for of, thickness, angle in one.layers]
+        deck.properties[group] = replace(one, layers=tuple(layers), x_axis=along if layers else ())
     if open_step:
         deck.lose("the end", "a *STEP has no *END STEP, and the deck may be cut short")
     for name, row in elastic.items():
         nu = real(row[1]) if row[1:] and row[1] else 0.0
         rho, lost = dense.get(name, 0.0), losses.get(name, 0.0)
-        deck.materials[name] = Isotropic(modulus=real(row[0]), poisson_ratio=nu, density=rho, loss_factor=lost)
+        E, across, nu, *shear = fibres.get(name, [real(row[0]), 0.0, nu])
+        deck.materials[name] = Elastic(
+            modulus=E, across=across, poisson_ratio=nu, shear=tuple(shear), density=rho, loss_factor=lost
+        )
     return deck
 
 
@@ -697,6 +794,16 @@ def _directions(letters: str) -> str:
     return f"[{', '.join(toml_file.string(MOTIONS[int(letter) - 1]) for letter in sorted(letters))}]"
 
 
+def _material(of: Elastic, added: float, density: float, pressure: float) -> str:
+    """A material as TOML, with a density beside its own."""
+    moduli = f'"{of.modulus * pressure:.9g} Pa"'
+    if of.shear:
+        shear = ", ".join(f'"{G * pressure:.9g} Pa"' for G in of.shear)
+        moduli = f'[{moduli}, "{of.across * pressure:.9g} Pa"], shear_modulus = [{shear}]'
+    said = f'density = "{(of.density + added) * density or LIGHT:.9g} kg/m^3", youngs_modulus = {moduli}'
+    return f"{{ {said}, poisson_ratio = {of.poisson_ratio:.9g} }}"
+
+
 def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
     holds = deck.supports()
     held = holds.pop("", [])
@@ -705,31 +812,47 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
     grounded = bool(holds) or any(len(ends) == 1 for ends, _ in deck.springs.values())
     pressure, density = system.mass / (system.length * system.time**2), deck.weight * system.mass / system.length**3
     mass, stiffness = deck.weight * system.mass, system.mass / system.time**2
-    scale = {"area": 2, "Iy": 4, "Iz": 4, "J": 4}
+    scale = {"area": 2, "Iy": 4, "Iz": 4, "J": 4, "Iyz": 4}
     unit = {1: "m", 2: "m^2", 4: "m^4"}
     tables: list[tuple[str, dict[str, str]]] = []
     for name, one in deck.properties.items():
         if name not in deck.mesh.groups:
             continue
         table: dict[str, str] = {}
-        if (of := deck.materials.get(one.material)) is None:
-            deck.lose(f"part {name}", f"no material {one.material} that is known here; state it by hand")
+        missing = [of for of in dict.fromkeys((one.material, *(of for of, *_ in one.layers))) if of not in deck.materials]
+        missing += [one.material] if not missing and deck.materials[one.material].shear and not one.layers else []
+        if missing:
+            deck.lose(f"part {name}", f"no material {', '.join(missing)} that is known here; state it by hand")
         else:
-            more = one.added / one.across if one.added and one.across else 0.0
-            table["material"] = (
-                f'{{ density = "{(of.density + more) * density:.9g} kg/m^3", youngs_modulus = "{of.modulus * pressure:.9g} Pa", '
-                f"poisson_ratio = {of.poisson_ratio:.9g} }}{'  # with a mass beside its own' if more else ''}"
-            )
-        if of is not None and (lost := of.loss_factor + deck.loss_factor):
-            table["loss_factor"] = f"{lost:.9g}"
-        if one.thickness:
+            of, more = deck.materials[one.material], one.added / one.across if one.added and one.across else 0.0
+            said = "  # with a mass beside its own" if more else ""
+            if one.layers:
+                rows = [
+                    f"{{ material = {_material(deck.materials[ply], more, density, pressure)}, "
+                    f'thickness = "{thickness * system.length:.9g} m", angle = {angle:.9g} }}'
+                    for ply, thickness, angle in one.layers
+                ]
+                table["layers"] = "\n    ".join(["[" + said, *(f"{row}," for row in rows)]) + "\n]"
+                table |= {"x_axis": f"[{', '.join(f'{value:.9g}' for value in one.x_axis)}]"} if one.x_axis else {}
+                table |= {"offset": f'"{one.offset * system.length:.9g} m"'} if one.offset else {}
+            else:
+                table["material"] = _material(of, more, density, pressure) + said
+            if lost := (one.loss_factor or of.loss_factor) + deck.loss_factor:
+                table["loss_factor"] = f"{lost:.9g}"
+        if one.thickness and not one.layers:
             table["thickness"] = f'"{one.thickness * system.length:.9g} m"'
         if one.section:
             keys = [
                 f'{key} = "{value * system.length ** scale.get(key, 1):.9g} {unit[scale.get(key, 1)]}"'
                 for key, value in one.section.items()
             ]
-            keys += [f"z_axis = [{', '.join(f'{value:.9g}' for value in one.z_axis)}]"] if one.z_axis else []
+            keys += [
+                f"{key} = [{', '.join(f'{value:.9g}' for value in several)}]"
+                for key, several in (("z_axis", one.z_axis), ("shear", one.shear))
+                if several
+            ]
+            off = ", ".join(f'"{value * system.length:.9g} m"' for value in one.neutral_axis)
+            keys += [f"neutral_axis = [{off}]"] if off else []
             table["section"] = f"{{ {', '.join(keys)} }}"
         tables.append((f"parts.{toml_file.string(deck.mesh.called.get(name, name))}", table))
     carriers = {**{node: name for name, (node, _) in deck.means.items()}, **deck.carriers}
@@ -754,6 +877,9 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
     for name, node, key, nodes in joined:
         where = ", ".join(f'"{value * system.length:.12g} m"' for value in points[node].tolist())
         ways = {"directions": _directions(deck.riding[name])} if name in deck.riding else {}
+        shares, turning = deck.weights.get(name, ([], False)) if key == "mean_of" else ([], False)
+        ways |= {"weights": f"[{', '.join(f'{one:.9g}' for one in shares)}]"} if shares else {}
+        ways |= {"rotations": "true"} if turning else {}
         tables.append((f"links.{toml_file.string(name)}", {"at": f"[{where}]", key: named(nodes), **ways}))
     for letters, held in holds.items():
         where = toml_file.string("-".join(MOTIONS[int(letter) - 1] for letter in letters))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fem.beam.elements import Section, moduli, rectangle, tube
-from fem.mesh import files
+from fem.mesh import files, shells
 from fem.user_model import description as text
 from fem.user_model import parts, units
 from geometry import toml_file, user_article
@@ -25,8 +25,11 @@ _KEYS = (
     *("name", "kind", "units", "file", "support", "interface", "reference_point", "places", "parts", "groups"),
     *("springs", "joints", "masses", "links", "holds", "loss_factor", "size", "left_out"),
 )
-_PART = ("material", "thickness", "section", "loss_factor", "tolerance")
+_PART = ("material", "thickness", "section", "layers", "x_axis", "offset", "loss_factor", "tolerance")
+_PLY = ("density", "youngs_modulus", "poisson_ratio", "shear_modulus")
 _TIED = ("stiffness", "loss_factor")
+_OPEN = ("Iyz", "neutral_axis", "shear")
+"""What a section with an area, Iy, Iz and J may have beside."""
 
 At = int | str | tuple[float, float, float]
 """Where something is: the number of a node, the name of a group, box or place, or coordinates [m]."""
@@ -35,11 +38,15 @@ At = int | str | tuple[float, float, float]
 @dataclass(frozen=True, kw_only=True)
 class Profile:
     """A section as described: `sizes` [m] are width and height, of a `round` one both diameters; area, Iy, Iz and J; or the
-    area of a `rod`, which pushes and pulls and does not bend."""
+    area of a `rod`, which pushes and pulls and does not bend. Of the third kind are the `product` of inertia about y and z,
+    where the `neutral_axis` is from the line about which it twists, and the shares of the area in `shear`, infinite of none."""
 
     sizes: tuple[float, ...]
     material: Material
     round: bool = False
+    product: float = 0.0
+    neutral_axis: tuple[float, float] = (0.0, 0.0)
+    shear: tuple[float, float] = (float("inf"), float("inf"))
 
     @property
     def rod(self) -> bool:
@@ -55,9 +62,30 @@ class Profile:
             return rectangle(width, factor * height, self.material)
         A, Iy, Iz, J = (*self.sizes, 0.0, 0.0, 0.0)[:4]
         (E, G), rho = moduli(self.material), self.material.density
+        (c, s), _ = self.turned[1:, 1:]
+        cross = 2 * s * c * self.product
+        Iy, Iz = s * s * Iz - cross + c * c * Iy, c * c * Iz + cross + s * s * Iy
         return Section(
-            axial=E * A, torsion=G * J, bending_y=E * Iy, bending_z=E * Iz, mass=rho * A, rotary_y=rho * Iy, rotary_z=rho * Iz
+            axial=E * A,
+            torsion=G * J,
+            bending_y=E * Iy,
+            bending_z=E * Iz,
+            shear_y=self.shear[0] * G * A,
+            shear_z=self.shear[1] * G * A,
+            mass=rho * A,
+            rotary_y=rho * Iy,
+            rotary_z=rho * Iz,
         )
+
+    @property
+    def turned(self) -> Array:
+        """Principal axes (3, 3) of the section as rows, along the beam and its y and z, which they are nearest to."""
+        if not self.product:
+            return np.eye(3)
+        _, Iy, Iz, _ = self.sizes
+        angle = np.arctan(2 * self.product / (Iz - Iy)) / 2 if Iz != Iy else np.pi / 4
+        c, s = np.cos(angle), np.sin(angle)
+        return np.array([[1, 0, 0], [0, c, s], [0, -s, c]])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -66,8 +94,10 @@ class PartTable:
 
     Attributes
     ----------
-    material : elastic
+    material : elastic; of layers what is as stiff in their plane, as far as one is, and as heavy
     thickness : of its shells [m], None where it has none
+    laminate : of its shells, None where they are of one material
+    x_axis : (3,) direction of the fibres whose angle is 0, None for that which an element states, or its first side
     section : of its beams, None where it has none
     z_axis : (3,) direction of the section's z axis, None for the upright one
     reach : [m] how far the surface of its beams is from their axis
@@ -78,6 +108,8 @@ class PartTable:
 
     material: Material
     thickness: float | None = None
+    laminate: shells.Laminate | None = None
+    x_axis: Array | None = None
     section: Profile | None = None
     z_axis: Array | None = None
     reach: float = 0.0
@@ -118,12 +150,15 @@ class PointMass:
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Link:
     """The nodes of the groups and numbers in `nodes` ride on a point at (3,) [m] in some `directions`, numbered as `MOTIONS`
-    are; or it `follows` their mean motion. Where they do not ride in all, what moves none of them is held."""
+    are; or it `follows` their mean motion, by the `weights` of `nodes`, alike where none are stated, and by their `rotations` as
+    well. Where they do not ride in all, what moves none of them is held."""
 
     at: tuple[float, float, float]
     nodes: tuple[int | str, ...]
     directions: tuple[int, ...] = tuple(range(6))
     follows: bool = False
+    weights: tuple[float, ...] = ()
+    rotations: bool = False
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -260,7 +295,11 @@ class _Table:
         raise self.wrong(key, "a place", remedy)
 
     def part(self, whole: float | None) -> PartTable:
-        material = self.material()
+        thickness, laminate = self.quantity("thickness", "length") if "thickness" in self.table else None, None
+        if "layers" in self.table:
+            laminate, thickness, material = self.layers()
+        else:
+            material = self.material()
         section, reach, z_axis, varied = None, 0.0, None, False
         if "section" in self.table:
             where = f"{self.where}.section"
@@ -278,7 +317,9 @@ class _Table:
         given = next((each for each in stated if each is not None), None)
         return PartTable(
             material=material,
-            thickness=self.quantity("thickness", "length") if "thickness" in self.table else None,
+            thickness=thickness,
+            laminate=laminate,
+            x_axis=self.direction("x_axis"),
             section=section,
             z_axis=z_axis,
             reach=reach,
@@ -286,6 +327,64 @@ class _Table:
             loss_factor=given,
             tolerance={key: value for key in tolerance.table if (value := tolerance.number(key, 10.0)) is not None},
         )
+
+    def layers(self) -> tuple[shells.Laminate, float, Material]:
+        """The laminate, its thickness [m], and the one material that it is most like."""
+        listed = self.table["layers"]
+        for key in ("material", "thickness"):
+            if key in self.table:
+                raise self.wrong(key, "left out beside `layers`", "State it of each layer")
+        if not isinstance(listed, list) or not listed or not all(isinstance(one, dict) for one in listed):
+            raise self.wrong("layers", "a list of layers", 'Write [{ material = "aluminium", thickness = "1 mm", angle = 0 }]')
+        where = f"{self.where}.layers"
+        tables = (_Table(source=self.source, where=f"{where}.{k}", table=one) for k, one in enumerate(listed, start=1))
+        several = [one.known(("material", "thickness", "angle")).layer() for one in tables]
+        if max(one.plane[1, 1] for one in several) <= 0:
+            raise self.wrong("layers", "stiff in their plane, one of them at least", "State the faces")
+        offset = self.quantity("offset", "length", positive=False) if "offset" in self.table else 0.0
+        made, thickness = shells.Laminate.of(several, offset), float(sum(one.thickness for one in several))
+        A, B = made.membrane[0, 0] * made.membrane[1, 1], made.membrane[0, 1]
+        E, nu = (A - B**2) / np.sqrt(A) / thickness, min(B / np.sqrt(A), 0.49)
+        rho = made.masses[0] / thickness
+        return made, thickness, Material(name=where, density=rho, youngs_modulus=float(E), poisson_ratio=float(nu))
+
+    def layer(self) -> shells.Layer:
+        angle, value = self.table.get("angle", 0.0), self.table.get("material")
+        if isinstance(angle, bool) or not isinstance(angle, int | float):
+            raise self.wrong("angle", "a number of degrees", "Write angle = 45")
+        if isinstance(value, dict) and isinstance(value.get("youngs_modulus"), list):
+            own = _Table(source=self.source, where=f"{self.where}.material", table=value).known(_PLY)
+            E1, E2 = own.quantities("youngs_modulus", 2 * ("pressure",)).tolist()
+            given = value.get("shear_modulus")
+            G12, *across = own.quantities(
+                "shear_modulus", (3 if isinstance(given, list) and len(given) > 1 else 1) * ("pressure",)
+            )
+            nu, density = value.get("poisson_ratio"), own.quantity("density", "density", positive=False)
+            shrinks = 1 - nu**2 * E2 / max(E1, 1e-300) if isinstance(nu, int | float) else 0.0
+            if shrinks <= 0 or min(E1, E2, G12, density) < 0 or min(across, default=1.0) <= 0:
+                problem = "of a layer: no modulus or density below 0, and Poisson's ratio of strain across to strain along"
+                raise own.wrong("poisson_ratio", problem, "Write two youngs_modulus and three shear_modulus: 12, 13, 23")
+            plane = np.array([[E1, nu * E2, 0], [nu * E2, E2, 0], [0, 0, 0]]) / shrinks + np.diag([0, 0, G12])
+        else:
+            of = self.material()
+            E, mu = moduli(of)
+            plane, across, density = shells.plane_stress(E, E / (2 * mu) - 1), [mu, mu], of.density
+        return shells.Layer(
+            plane=plane,
+            across=np.array(across or [np.inf, np.inf]),
+            angle=float(np.radians(angle)),
+            thickness=self.quantity("thickness", "length"),
+            density=density,
+        )
+
+    def direction(self, key: str) -> Array | None:
+        if key not in self.table:
+            return None
+        value = self.table[key]
+        plain = isinstance(value, list) and len(value) == 3 and all(isinstance(v, int | float) for v in value)
+        if not plain or not 0 < np.linalg.norm(value) < 1e6:
+            raise self.wrong(key, "three numbers that are a direction", "Write it like [0, 0, 1]")
+        return np.array(value, dtype=np.float64)
 
     def material(self) -> Material:
         value = self.table.get("material")
@@ -301,14 +400,8 @@ class _Table:
         return found
 
     def section(self, material: Material) -> tuple[Profile, float, Array | None, bool]:
-        z_axis = None
-        if "z_axis" in self.table:
-            value = self.table["z_axis"]
-            plain = isinstance(value, list) and len(value) == 3 and all(isinstance(v, int | float) for v in value)
-            if not plain or not 0 < np.linalg.norm(value) < 1e6:
-                raise self.wrong("z_axis", "three numbers that are a direction", "Write it like [0, 0, 1]")
-            z_axis = np.array(value, dtype=np.float64)
-        keys = {key for key in self.table if key != "z_axis"}
+        z_axis = self.direction("z_axis")
+        keys = {key for key in self.table if key not in ("z_axis", *_OPEN)}
         if keys == {"width", "height"}:
             width, height = self.quantity("width", "length"), self.quantity("height", "length")
             return Profile(sizes=(width, height), material=material), float(np.hypot(width, height) / 2), z_axis, True
@@ -318,8 +411,20 @@ class _Table:
             return Profile(sizes=(outer, inner), material=material, round=True), outer / 2, z_axis, inner > 0
         if keys == {"area", "Iy", "Iz", "J"}:
             A = self.quantity("area", "area")
-            Iy, Iz, J = (self.quantity(key, "second moment of area") for key in ("Iy", "Iz", "J"))
-            return Profile(sizes=(A, Iy, Iz, J), material=material), float(np.sqrt(3 * max(Iy, Iz) / A)), z_axis, False
+            Iy, Iz, J = (self.quantity(key, "second moment of area", positive=False) for key in ("Iy", "Iz", "J"))
+            product = self.quantity("Iyz", "second moment of area", positive=False) if "Iyz" in self.table else 0.0
+            if min(Iy, Iz, J) < 0 or product**2 > Iy * Iz:
+                raise self.wrong(
+                    "Iyz" if product else "Iy", "of a section: Iy, Iz and J positive, Iyz² below Iy Iz", "Correct it"
+                )
+            y, z = self.quantities("neutral_axis", 2 * ("length",)).tolist() if "neutral_axis" in self.table else (0.0, 0.0)
+            shear = self.table.get("shear", [np.inf, np.inf])
+            if not isinstance(shear, list) or len(shear) != 2 or not all(isinstance(k, float | int) and k > 0 for k in shear):
+                raise self.wrong("shear", "two positive shares of the area, along y and z", "Write it like [0.83, 0.83]")
+            profile = Profile(
+                sizes=(A, Iy, Iz, J), material=material, product=product, neutral_axis=(y, z), shear=(shear[0], shear[1])
+            )
+            return profile, float(np.hypot(y, z) + np.sqrt(3 * max(Iy, Iz) / A)), z_axis, False
         if keys == {"area"}:
             A = self.quantity("area", "area")
             return Profile(sizes=(A,), material=material), float(np.sqrt(A / np.pi)), z_axis, False
@@ -377,7 +482,21 @@ class _Table:
         for other in ("nodes", "directions"):
             if key == "mean_of" and other in self.table:
                 raise self.wrong(other, "left out beside `mean_of`", "Nodes ride on a link, or it follows their mean motion")
-        return Link(at=at, nodes=self.nodes(key), directions=self.directions(), follows=key == "mean_of")
+            if key == "nodes" and {"weights", "rotations"} & set(self.table):
+                raise self.wrong("weights", "left out but beside `mean_of`", "What rides on a link has no weight")
+        nodes, weights, rotations = self.nodes(key), self.table.get("weights", []), self.table.get("rotations", False)
+        if not isinstance(weights, list) or not all(isinstance(one, int | float) and one > 0 for one in weights):
+            raise self.wrong("weights", "a list of positive numbers", "Write one for each entry of `mean_of`")
+        if weights and len(weights) != len(nodes):
+            raise self.wrong("weights", f"{len(nodes)} numbers, one for each entry of `mean_of`", "Write one for each")
+        return Link(
+            at=at,
+            nodes=nodes,
+            directions=self.directions(),
+            follows=key == "mean_of",
+            weights=tuple(weights),
+            rotations=rotations is True,
+        )
 
     def nodes(self, key: str = "nodes") -> tuple[int | str, ...]:
         nodes = self.table.get(key)
@@ -488,7 +607,10 @@ def read(path: Path) -> MeshDescription:
         springs=springs,
         joints={name: each.joint() for name, each in table.tables("joints", ("between", "at", *_TIED)).items()},
         masses={name: each.mass() for name, each in table.tables("masses", ("at", "mass", "cog", "moments")).items()},
-        links={name: each.link() for name, each in table.tables("links", ("at", "nodes", "directions", "mean_of")).items()},
+        links={
+            name: each.link()
+            for name, each in table.tables("links", ("at", "nodes", "directions", "mean_of", "weights", "rotations")).items()
+        },
         holds=holds,
         stated=_Table(source=source, where="stated", table=whole.get("stated", {})).stated(),
     )

@@ -10,11 +10,12 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from fem.mesh import solids
 from fem.mesh.coordinates import CARD, Coordinates
@@ -43,11 +44,17 @@ class Cells:
     kind : a key of `DIMENSION`
     tags : (c,) numbers of the elements in the file
     nodes : (c, k) indices of their nodes, corners first, then the middles of edges in the order of Abaqus
+    axes : (c, 3) along the height of a beam's section, or the fibres of angle 0 of a shell's layers; NaN where none is stated
+    offsets : (c, k, 3) from the nodes to where the element is
+    loose : (c, 12) motions of a beam's ends, in its axes, that do not follow their nodes
     """
 
     kind: str
     tags: Integers
     nodes: Integers
+    axes: Array | None = None
+    offsets: Array | None = None
+    loose: npt.NDArray[np.bool_] | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -130,12 +137,16 @@ Elements = dict[str, dict[int, list[int]]]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Raw:
-    """What a reader found: nodes and elements by number, groups of their numbers by name."""
+    """What a reader found: nodes and elements by number, groups of their numbers by name; and by the number of an element what
+    it states, as in `Cells`: its axis, its offsets, the motions that are loose."""
 
     nodes: Mapping[int, Sequence[float] | Array]
     elements: Elements
     groups: dict[str, list[int]]
     node_groups: dict[str, list[int]]
+    axes: Mapping[int, Array] = field(default_factory=dict)
+    offsets: Mapping[int, Array] = field(default_factory=dict)
+    loose: Mapping[int, npt.NDArray[np.bool_]] = field(default_factory=dict)
     coordinates: Coordinates | None = None
     called: Mapping[str, str] = field(default_factory=dict)
 
@@ -154,7 +165,14 @@ class _Raw:
             if len(lost):
                 problem = f"{len(lost)} element(s) have nodes that the file does not hold, the first is {list(elements)[lost[0]]}"
                 raise BadInput(source=source, field="elements", problem=problem, remedy=_AGAIN)
-            cells[kind] = Cells(kind=kind, tags=np.array(list(elements), dtype=np.int64), nodes=at.astype(np.intp))
+            cells[kind] = Cells(
+                kind=kind,
+                tags=np.array(list(elements), dtype=np.int64),
+                nodes=at.astype(np.intp),
+                axes=_stated(elements, self.axes, np.nan),
+                offsets=_stated(elements, self.offsets, 0.0),
+                loose=_stated(elements, self.loose, False),
+            )
             for index, tag in enumerate(elements):
                 if tag in where:
                     problem = f"two elements have the number {tag}"
@@ -184,6 +202,16 @@ class _Raw:
             coordinates=self.coordinates,
             called=self.called,
         )
+
+
+def _stated(elements: Mapping[int, Any], table: Mapping[int, npt.NDArray[Any]], fill: float) -> npt.NDArray[Any] | None:
+    """What `table` says of each of the elements, (c, ...) with `fill` where it says nothing; None where it does so of all."""
+    own = {index: table[tag] for index, tag in enumerate(elements) if tag in table} if table else {}
+    if not own:
+        return None
+    found = np.full((len(elements), *next(iter(own.values())).shape), fill)
+    found[list(own)] = list(own.values())
+    return found
 
 
 # Abaqus and CalculiX: *NODE, *ELEMENT, *NSET and *ELSET, in free format.
@@ -326,15 +354,18 @@ _MIDDLES_LAST = {"hex20": [*range(12), *range(16, 20), *range(12, 16)], "wedge15
 def _nastran(path: Path, left_out: LeftOut) -> _Raw:
     elements: Elements = {}
     groups: dict[str, list[int]] = {}
-    where = Coordinates(source=str(path))
+    where, usual, stating = Coordinates(source=str(path)), dict[str, list[str]](), list[tuple[str, str, list[str]]]()
     for card, *fields in cards(path):
-        if card == "GRID":
+        if card in ("BAROR", "BEAMOR"):
+            usual[card[: card.index("OR")]] = fields
+        elif card == "GRID":
             _once(where.grids, int(fields[0]), fields, str(path))
         elif card == "GRDSET":
             where.usual = fields
         elif CARD.fullmatch(card):
             where.add(card, fields)
         elif card in NASTRAN:
+            fields = filled(fields, usual[card[1:]]) if card[1:] in usual else fields
             tag, group, kinds, begin = int(fields[0]), fields[1] or fields[0], NASTRAN[card], 2
             if card == "CONROD":  # material and area stand in it instead of a property
                 group, begin = own_property(fields), 1
@@ -349,6 +380,8 @@ def _nastran(path: Path, left_out: LeftOut) -> _Raw:
             order = _MIDDLES_LAST.get(kind, range(len(own)))
             _once(elements.setdefault(kind, {}), tag, [own[n] for n in order], str(path))
             groups.setdefault(group, []).append(tag)
+            if card in ("CBAR", "CBEAM") or (kind in SHELLS and any(fields[begin + most :])):
+                stating.append((card, kind, fields))
         elif _CARRIES.fullmatch(card) and not left_out(card):
             problem = f"{card} {fields[0]} is not read, and what it weighs, holds or joins would be lost"
             raise BadInput(source=str(path), field=card, problem=problem, remedy=_STATE.format(card))
@@ -362,7 +395,60 @@ def _nastran(path: Path, left_out: LeftOut) -> _Raw:
     called = _property_names(path)
     apart |= {name: list(apart[number]) for number, name in called.items() if number in apart and name not in apart}
     nodes = {number: where.place(number) for number in where.grids}
-    return _Raw(nodes=nodes, elements=elements, groups=apart, node_groups={}, coordinates=where, called=called)
+    raw = _Raw(nodes=nodes, elements=elements, groups=apart, node_groups={}, coordinates=where, called=called)
+    axes, offsets, loose = dict[int, Array](), dict[int, Array](), dict[int, npt.NDArray[np.bool_]]()
+    for card, kind, fields in stating:
+        tag, f = int(fields[0]), [*filled(fields, usual.get(card[1:], [])), *16 * [""]]
+        own = [node for node in elements[kind][tag] if node in nodes]
+        at, off = np.array([nodes[node] for node in own]), np.zeros(3)
+        if len(own) != len(elements[kind][tag]):
+            continue  # which is refused
+        side = at[1] - at[0]
+        if kind in BEAMS:
+            axes[tag], off = _beam_states(f, own, at, nodes, where)
+            if any(f[8:10]):
+                loose[tag] = np.array([LOOSE_AS[k] in f[8 + end] for end in (0, 1) for k in range(6)])
+        else:
+            first = 14 if kind == "quad8" else 2 + len(own)
+            turn, normal = f[first], np.cross(side, at[2] - at[0])
+            normal, side = (one / max(float(np.linalg.norm(one)), 1e-300) for one in (normal, side))
+            if turn.isdigit():
+                axes[tag] = where.system(turn).directions(at.mean(axis=0))[0]
+            elif angle := np.radians(real(turn)):
+                axes[tag] = np.cos(angle) * side + np.sin(angle) * np.cross(normal, side)
+            off = np.tile(real(f[first + 1]) * normal, (len(own), 1))
+        if off.any():
+            offsets[tag] = off
+    return replace(raw, axes=axes, offsets=offsets, loose=loose)
+
+
+LOOSE_AS = "132465"
+"""Motions of a beam's end in the axes of its section as freedoms of Nastran, whose y is z here, and whose z is -y."""
+
+
+def filled(fields: Sequence[str], usual: Sequence[str]) -> list[str]:
+    """Fields of a beam with what BAROR or BEAMOR say of those that it leaves empty: property and orientation."""
+    found = [*fields, *8 * [""]][: max(len(fields), 8)]
+    at = [k for k in (1, 4, 5, 6, 7) if k in (1, 7) or not any(found[4:7])]
+    return [[*usual, *8 * [""]][k] if k in at and not text else text for k, text in enumerate(found)]
+
+
+def _beam_states(
+    f: Sequence[str], own: Sequence[int], at: Array, nodes: Mapping[int, Array], where: Coordinates
+) -> tuple[Array, Array]:
+    """Orientation (3,) of a CBAR or CBEAM between two nodes `at` (2, 3), and the offsets (2, 3) of its ends from them."""
+    ways = [np.eye(3) if (axes := where.freedoms(node)) is None else axes for node in own]
+    offt = (f[7].upper() if f[7].isalpha() else "") or "GGG"
+    if f[4].isdigit() and not f[5]:
+        to = nodes.get(int(f[4]), at[0]) - at[0]
+    else:
+        to = np.array([real(text) for text in f[4:7]]) @ (np.eye(3) if offt[0] == "B" else ways[0])
+    offsets = np.array([[real(text) for text in f[k : k + 3]] for k in (10, 13)])
+    x = (at[1] - at[0]) / max(float(np.linalg.norm(at[1] - at[0])), 1e-300)
+    z = np.cross(x, to)
+    z = z / max(float(np.linalg.norm(z)), 1e-300)
+    frame = np.array([x, np.cross(z, x), z])
+    return to, np.array([off @ (frame if way == "O" else own) for off, way, own in zip(offsets, offt[1:], ways, strict=False)])
 
 
 _NAMED = re.compile(

@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +13,7 @@ from fem.beam.elements import moduli, timoshenko
 from fem.mesh import description as described
 from fem.mesh import files, shells, solids
 from fem.mesh.description import SEAM
-from fem.mesh.places import LINE, ROD, Block, Elements, beam_axes, fitted
+from fem.mesh.places import LINE, ROD, Block, Elements, fitted
 from fem.solid import assembly, tetrahedra
 from fem.structure import Sparse, Structure
 from fem.user_model import description as text
@@ -219,6 +220,9 @@ def _blocks(found: described.MeshDescription, mesh: files.MeshFile) -> Iterator[
                 kind=ROD if rod else LINE if kind == "line3" else kind,
                 tags=np.tile(cells.tags[index], len(halves)),
                 nodes=np.vstack([cells.nodes[index][:, half] for half in halves]),
+                axes=None if cells.axes is None else cells.axes[index],  # a line of three nodes states none
+                offsets=None if cells.offsets is None else cells.offsets[index] * found.length,
+                loose=None if cells.loose is None else cells.loose[index],
             )
     _require_covered(found, mesh, claimed)
 
@@ -233,15 +237,19 @@ def _require_covered(found: described.MeshDescription, mesh: files.MeshFile, cla
     for kind, owner in claimed.items():
         if kind == files.POINT:
             continue
-        same = np.unique(np.sort(mesh.cells[kind].nodes, axis=1), axis=0, return_inverse=True)[1].ravel()
+        cells = mesh.cells[kind]
+        told: list[npt.NDArray[Any]] = [np.sort(cells.nodes, axis=1)]
+        if mesh.coordinates is not None:  # a deck may have a bar and a rod there, or two bars on either side
+            told += [owner[:, None], *([] if cells.offsets is None else [cells.offsets.reshape(len(owner), -1)])]
+        same = np.unique(np.hstack(told), axis=0, return_inverse=True)[1].ravel()
         count = np.bincount(same, weights=owner >= 0)[same]
         doubled = np.flatnonzero((count > 1) & (owner >= 0))
         if len(doubled):
-            names, tags = list(found.parts), mesh.cells[kind].tags[doubled]
+            names, tags = list(found.parts), cells.tags[doubled]
             problem = f"{len(doubled)} {kind} elements have the same nodes as another: {files.joined(tags)}"
             raise found.refused(f"parts.{names[owner[doubled[0]]]}", problem, "An element has one material: write each once")
         # What has the nodes of an element with a material is that element once more, as MSH 2 writes it for another group
-        alone = (owner < 0) & (count == 0) & ((files.DIMENSION[kind] == top) | ~used[mesh.cells[kind].nodes].all(axis=1))
+        alone = (owner < 0) & (count == 0) & ((files.DIMENSION[kind] == top) | ~used[cells.nodes].all(axis=1))
         if np.any(alone):
             bare[kind] = np.flatnonzero(alone)
     if not bare:
@@ -305,7 +313,7 @@ def _require_sound(found: described.MeshDescription, points: Array, blocks: Sequ
     """Refuse elements that are inside out or have no extent, with how many and which."""
     said = []
     for block in blocks:
-        corners = points[block.nodes]
+        corners = block.corners(points)
         edge = np.ptp(corners, axis=1).max(axis=1)
         if block.kind in solids.KINDS:
             least = np.concatenate(
@@ -574,10 +582,18 @@ def _assembled(elements: Elements) -> tuple[dict[str, Sparse], dict[str, Sparse]
                     kinds["linear"].add(dofs, (3 * K - D) / 2)
                     kinds["cubic"].add(dofs, (D - K) / 2)
             else:
+                fibres = block.fibres(elements.points, part.x_axis)
                 for triangle, share in shells.TRIANGLES[block.kind]:
                     for some in _batches(len(block.nodes), 18):
-                        nodes = block.nodes[some][:, triangle]
-                        flat, bent, M = shells.matrices(elements.points[nodes], part.thickness or 0.0, E, nu, density)
+                        nodes, corners = block.nodes[some][:, triangle], block.corners(elements.points, some)[:, triangle]
+                        if part.laminate is not None:
+                            off = corners - elements.points[nodes]
+                            flat, bent, M = shells.layered(corners, part.laminate, fibres[some], off)
+                        else:
+                            flat, bent, M = shells.matrices(corners, part.thickness or 0.0, E, nu, density)
+                        if block.offsets is not None and part.laminate is None:
+                            T = shells.carried(corners - elements.points[nodes])
+                            flat, bent, M = (T.swapaxes(1, 2) @ one @ T for one in (flat, bent, M))
                         dofs = (elements.first[nodes][:, :, None] + SIX).reshape(len(nodes), -1)
                         kinds["linear"].add(dofs, share * flat)
                         kinds["cubic"].add(dofs, share * bent)
@@ -614,21 +630,20 @@ def _beams(elements: Elements, block: Block, part: described.PartTable) -> tuple
     )
     made: dict[float, tuple[Array, Array, Array]] = {}
     whole = np.zeros((3, len(block.nodes), 12, 12))
-    for k, corners in enumerate(elements.points[block.nodes]):
-        length = round(float(np.linalg.norm(corners[1] - corners[0])), 12)
-        if length not in made:
-            plain, more, less = (timoshenko(section, length, block.part) for section in sections)
-            slope = (more.stiffness[block.part] - less.stiffness[block.part]) / (2 * STEP)
-            made[length] = plain.stiffness[block.part], plain.mass, slope
+    for k in range(len(block.nodes)):
         try:
-            T = np.kron(np.eye(4), beam_axes(corners, part.z_axis))
+            (length, T), (_, moved) = (block.beam(k, elements.points, part, mass) for mass in (False, True))
         except ValueError:
             problem = f"the z axis of its section lies along element {block.tags[k]}"
             raise BadInput(
                 source=elements.source, field=f"parts.{block.part}.section", problem=problem, remedy="State another z_axis"
             ) from None
-        for target, local in zip(whole[:, k], made[length], strict=True):
-            target[:] = T.T @ local @ T
+        if (length := round(length, 12)) not in made:
+            plain, more, less = (timoshenko(section, length, block.part) for section in sections)
+            slope = (more.stiffness[block.part] - less.stiffness[block.part]) / (2 * STEP)
+            made[length] = plain.stiffness[block.part], plain.mass, slope
+        for target, local, by in zip(whole[:, k], made[length], (T, moved, T), strict=True):
+            target[:] = by.T @ local @ by
     return whole[0], whole[1], whole[2]
 
 
@@ -717,8 +732,11 @@ class _Made:
         if at in self.found.places and self.found.places[at] != at:
             return self.motion(self.found.places[at], field)
         if (link := self.found.links.get(at)) and link.follows:
-            followed = _chosen(self.found, self.sets, self.elements.node_tags, link.nodes, f"links.{at}.mean_of")
-            return self.elements.mean(followed, np.array(link.at), turning=False)
+            several = [
+                _chosen(self.found, self.sets, self.elements.node_tags, (one,), f"links.{at}.mean_of") for one in link.nodes
+            ]
+            weights = np.repeat(link.weights or np.ones(len(several)), [len(one) for one in several])
+            return self.elements.mean(np.concatenate(several), np.array(link.at), link.rotations, weights)
         nodes = _set(self.found, self.sets, at, field)
         if len(nodes) == 1:
             return self.elements.node(int(nodes[0]))

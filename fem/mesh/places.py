@@ -8,12 +8,12 @@ from itertools import combinations
 import numpy as np
 import numpy.typing as npt
 
-from fem.beam.elements import IN_XY, IN_XZ, SIGN_XZ, moduli, shape_functions
+from fem.beam.elements import IN_XY, IN_XZ, SIGN_XZ, moduli, shape_functions, timoshenko
 from fem.mesh import shells, solids
 from fem.mesh.description import PartTable
 from fem.structure import Sparse
 from geometry.errors import BadInput
-from geometry.frames import Array, Integers, rigid_transformation, skew
+from geometry.frames import Array, Integers, rigid_transformation, rigid_transformation_6, skew
 
 OUTSIDE = 0.02
 """[share of an element's size] Distance up to which a place counts as lying on a flat skin of the mesh. By definition."""
@@ -37,6 +37,9 @@ OF_JUMPS = {"hex8": 0.75, **dict.fromkeys(shells.TRIANGLES, 0.25)}
 26 modes of hexahedra of eight nodes, and -0.8 to 1.0 times in 72 of shells, which do not meet along their edges and may be too
 soft. Held likewise."""
 
+UPRIGHT = 1e-3
+"""[1] Sine of the angle to a shell's normal below which a direction says nothing of it. By definition."""
+
 QUARTERS = {
     "tet": ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)),
     "wedge": ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)),
@@ -57,17 +60,76 @@ Piece = tuple[Integers, Callable[[], tuple[Array, Array]]]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Block:
-    """Elements of one kind and part: numbers in the file `tags` (c,), indices of their nodes `nodes` (c, k)."""
+    """Elements of one kind and part: numbers in the file `tags` (c,), indices of their nodes `nodes` (c, k).
+
+    What they state beside is None, or as in `fem.mesh.files.Cells`: `axes`, `offsets` [m], `loose` ends.
+    """
 
     part: str
     kind: str
     tags: Integers
     nodes: Integers
+    axes: Array | None = None
+    offsets: Array | None = None
+    loose: npt.NDArray[np.bool_] | None = None
 
     @property
     def turning(self) -> bool:
         """Whether its nodes turn."""
         return self.kind != ROD and self.kind not in solids.KINDS
+
+    def corners(self, points: Array, some: slice | int = slice(None)) -> Array:
+        """Where `some` elements are, (c, k, 3) or of one (k, 3): at their nodes, which are at `points`, or off them."""
+        return np.asarray(points[self.nodes[some]] + (0.0 if self.offsets is None else self.offsets[some]))
+
+    def fibres(self, points: Array, x_axis: Array | None) -> Array:
+        """The first axis (c, 3) of its layers: the part's, or that which the element states, or its first side where neither is
+        or where it is upright."""
+        corners = self.corners(points)
+        side, other = (corners[:, k] - corners[:, 0] for k in (1, 2))
+        stated = self.axes if x_axis is None else x_axis[None]
+        if stated is None:
+            return side
+        across = np.cross(stated, normal := np.cross(side, other))
+        lies = np.linalg.norm(across, axis=1) > UPRIGHT * np.linalg.norm(stated, axis=1) * np.linalg.norm(normal, axis=1)
+        return np.where(lies[:, None], stated, side)  # NaN is not above either
+
+    def beam_axes(self, k: int, points: Array, table: PartTable) -> Array:
+        """`beam_axes` of its beam `k`: the part's go before those that the element states.
+
+        Raises
+        ------
+        ValueError : the z axis of its section lies along it.
+        """
+        stated = None if self.axes is None or not np.isfinite(self.axes[k]).all() else self.axes[k]
+        return beam_axes(self.corners(points, k), stated if table.z_axis is None else table.z_axis)
+
+    def beam(self, k: int, points: Array, table: PartTable, mass: bool = False) -> tuple[float, Array]:
+        """Length of its beam `k`, and what the ends of that do, in its own axes, of what its nodes do; (12, 12).
+
+        Where it does not bend about its nodes, its ends are pulled along the neutral axis; or its `mass` is there.
+
+        Raises
+        ------
+        ValueError : the z axis of its section lies along it.
+        """
+        section, line = table.section, np.diff(self.corners(points, k), axis=0)
+        if section is None:
+            raise ValueError(f"`section` of part {self.part} must be given")
+        length, R = float(np.linalg.norm(line)), self.beam_axes(k, points, table)
+        neutral = rigid_transformation_6([0.0, *section.neutral_axis])
+        if not mass:
+            neutral[1:3, 3] = 0.0
+        T = np.kron(np.eye(2), np.kron(np.eye(2), section.turned) @ neutral @ np.kron(np.eye(2), R))
+        if self.offsets is not None:
+            for end, off in zip((slice(0, 6), slice(6, 12)), self.offsets[k], strict=True):
+                T[:, end] = T[:, end] @ rigid_transformation_6(off)
+        if self.loose is not None and (loose := self.loose[k]).any():
+            K = timoshenko(section.times(1.0), length, self.part).stiffness[self.part]
+            ends = np.diag(np.where(loose, 0.0, 1.0))  # what is loose goes where the beam pulls it
+            ends[np.ix_(loose, ~loose)] = -np.linalg.pinv(K[np.ix_(loose, loose)]) @ K[np.ix_(loose, ~loose)]
+            T = ends @ T
+        return length, np.asarray(T, dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -188,10 +250,11 @@ class Elements:
         whole[:3, :3], whole[3:, 3:] = np.eye(3), turned[3:]
         return self._sparse(whole, dofs)
 
-    def mean(self, nodes: Integers, point: Array, turning: bool = True) -> Sparse:
+    def mean(self, nodes: Integers, point: Array, turning: bool = True, weights: Array | None = None) -> Sparse:
         """The rigid motion of `nodes`, seen at `point` (3,) [m], nearest to what they do; (6, n).
 
         Rotations of nodes count as displacements at an arm as long as the group is wide; if not `turning`, they do not count.
+        By `weights` (p,) the arm is the mean distance to the point, as in Nastran.
 
         Raises
         ------
@@ -200,16 +263,18 @@ class Elements:
         offsets = self.points[nodes] - self.points[nodes].mean(axis=0)
         wide = float(np.sqrt(np.mean(np.sum(offsets**2, axis=1))))
         wide = wide or float(np.ptp(self.points, axis=0).max()) * 1e-3
-        blocks, dofs, weights = [], [], []
-        for index in nodes.tolist():
+        shares = np.sqrt(np.ones(len(nodes)) if weights is None else weights)
+        arm = wide if weights is None else float(np.linalg.norm(self.points[nodes] - point, axis=1).mean()) or wide
+        blocks, dofs, counts = [], [], []
+        for index, share in zip(nodes.tolist(), shares.tolist(), strict=True):
             T = np.zeros((6, 6))
             T[:3] = rigid_transformation(self.points[index] - point)
             T[3:, 3:] = np.eye(3)
             count = 6 if turning and self.turning[index] else 3
             blocks.append(T[:count])
             dofs.append(self.first[index] + np.arange(count))
-            weights.append(np.array([1.0, 1.0, 1.0, wide, wide, wide])[:count])
-        W = np.concatenate(weights)
+            counts.append(share * np.array([1.0, 1.0, 1.0, arm, arm, arm])[:count])
+        W = np.concatenate(counts)
         scale = np.array([1.0, 1.0, 1.0, wide, wide, wide])
         A = W[:, None] * np.vstack(blocks) / scale
         if np.linalg.svd(A, compute_uv=False)[-1] < 1e-6:
@@ -295,14 +360,15 @@ class Elements:
             if block.part != part or block.kind != LINE or table.section is None:
                 continue
             beam = table.section.times(1.0)
-            for nodes in block.nodes:
-                corners = self.points[nodes]
-                L, T = float(np.linalg.norm(corners[1] - corners[0])), np.kron(np.eye(4), beam_axes(corners, table.z_axis))
+            for k, nodes in enumerate(block.nodes):
+                L, T = block.beam(k, self.points, table)
                 own = T @ pushed[(self.first[nodes][:, None] + SIX).ravel()]
                 for planar, sign, bending, shear in (
                     (IN_XY, np.ones(4), beam.bending_z, beam.shear_y),
                     (IN_XZ, SIGN_XZ, beam.bending_y, beam.shear_z),
                 ):
+                    if not bending:
+                        continue
                     v = shape_functions(x, 12 * bending / (shear * L**2), L)[0]
                     load = beam.mass * L * ((bows * w) @ (v.T @ (sign[:, None] * own[planar])))
                     energy += L**3 / bending * load.T @ A @ load
@@ -311,7 +377,7 @@ class Elements:
                     ((3, 9), beam.rotary_y + beam.rotary_z, beam.torsion),
                 ):
                     pull = mass * L * ((a * w) @ np.column_stack([1 - x, x])) @ own[list(ends)]
-                    energy += 3 * L / stiffness * np.outer(pull, pull)
+                    energy += 3 * L / stiffness * np.outer(pull, pull) if stiffness else 0.0
         return energy
 
     def _solid_pieces(self, part: str, moved: Array) -> list[Piece]:
@@ -342,11 +408,13 @@ class Elements:
         if not of:
             return []
         own = [
-            (block.nodes[:, list(corners)], OF_JUMPS[block.kind] * weight)
+            (block.nodes[:, list(corners)], block.corners(self.points)[:, list(corners)], OF_JUMPS[block.kind] * weight)
             for block in of
             for corners, weight in shells.TRIANGLES[block.kind]
         ]
-        nodes, weights = np.vstack([one for one, _ in own]), np.concatenate([np.full(len(one), share) for one, share in own])
+        nodes, where = (np.concatenate([one[k] for one in own]) for k in (0, 1))
+        weights = np.concatenate([np.full(len(one), share) for one, _, share in own])
+        beside = any(block.offsets is not None for block in of)
         E, mu = moduli(self.parts[part].material, part)
         nu = E / (2 * mu) - 1
         root = np.linalg.cholesky(E / (1 - nu**2) * ((1 - nu) * np.eye(6) + nu * np.outer(TRACE, TRACE)))
@@ -355,9 +423,10 @@ class Elements:
 
         def piece(at: slice) -> tuple[Array, Array]:
             dofs = (self.first[nodes[at]][:, :, None] + np.arange(6)).reshape(-1, 18)
-            strains = shells.strains(self.points[nodes[at]], moved[dofs], thickness)
+            u = shells.carried(where[at] - self.points[nodes[at]]) @ moved[dofs] if beside else moved[dofs]
+            strains = shells.strains(where[at], u, thickness)
             strains = np.einsum("st,cbxsm->cbxtm", root, strains.reshape(*strains.shape[:2], 4, 6, -1), optimize=True)
-            areas = weights[at] * shells.areas(self.points[nodes[at]])
+            areas = weights[at] * shells.areas(where[at])
             return areas[:, None, None] / 12 * (np.ones((3, 3)) + np.eye(3)), strains.reshape(*strains.shape[:2], 24, -1)
 
         return [(corners[at], partial(piece, at)) for at in (slice(n, n + step) for n in range(0, len(nodes), step))]
@@ -412,14 +481,14 @@ class Elements:
     @cached_property
     def _boxes(self) -> tuple[Array, Integers]:
         """Corners (e, 2, 3) of the boxes around all elements, and their block and index in it (e, 2)."""
-        corners = [self.points[block.nodes] for block in self.blocks]
+        corners = [block.corners(self.points) for block in self.blocks]
         bounds = np.vstack([np.stack([each.min(axis=1), each.max(axis=1)], axis=1) for each in corners])
         owner = [np.column_stack([np.full(len(each), k), np.arange(len(each))]) for k, each in enumerate(corners)]
         return bounds, np.vstack(owner)
 
     def _feet(self, block: Block, index: int, point: Array) -> Iterator[Foot]:
         nodes = block.nodes[index]
-        corners, table = self.points[nodes], self.parts[block.part]
+        corners, table = block.corners(self.points, index), self.parts[block.part]
         size = float(np.ptp(corners, axis=0).max())
 
         def made(foot: Array, reach: float, dofs: Integers, moved: Array, turned: Array | None) -> Foot:
@@ -446,8 +515,7 @@ class Elements:
             elif section is not None:
                 six = (self.first[nodes][:, None] + np.arange(6)).ravel()
                 # What the twelve degrees of freedom of the beam move and turn there, (3, 12) each, in the frame
-                beam, R = section.times(1.0), beam_axes(corners, table.z_axis)
-                length = float(np.linalg.norm(corners[1] - corners[0]))
+                beam, (length, T) = section.times(1.0), block.beam(index, self.points, table)
                 moved, turned = np.zeros((2, 3, 12))
                 moved[0, [0, 6]] = turned[0, [3, 9]] = 1 - share, share
                 for planar, sign, bending, shear, row in (
@@ -457,14 +525,19 @@ class Elements:
                     v, theta = shape_functions(np.array([share]), 12 * bending / (shear * length**2), length)
                     moved[row, planar] = sign * v[:, 0]
                     turned[3 - row, planar] = sign * theta[:, 0] * (1 if row == 1 else -1)
-                T = np.kron(np.eye(4), R)
-                moved, turned = np.asarray(R.T @ moved @ T), np.asarray(R.T @ turned @ T)
+                moved, turned = (section.turned.T @ one @ T for one in (moved, turned))
+                y, z = section.neutral_axis  # along which `moved` pulls
+                moved[0] += y * turned[2] - z * turned[1]
+                R = block.beam_axes(index, self.points, table)
+                moved, turned = np.asarray(R.T @ moved), np.asarray(R.T @ turned)
                 yield made(foot, table.reach, six, moved, turned)
             return
         for triangle, _ in shells.TRIANGLES[block.kind]:
             own = corners[list(triangle)]
             L = _on_triangle(own, point)
             moved = shells.displacement(own[None], L[None])[0, 0]
+            if block.offsets is not None:
+                moved = moved @ shells.carried(block.offsets[[index]][:, list(triangle)])[0]
             turned = np.hstack([np.hstack([np.zeros((3, 3)), weight * np.eye(3)]) for weight in L])
             dofs = (self.first[nodes[list(triangle)]][:, None] + np.arange(6)).ravel()
             yield made(L @ own, table.thickness or 0.0, dofs, moved, turned)

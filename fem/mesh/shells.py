@@ -1,8 +1,13 @@
 """Flat shell triangles: Felippa's membrane with drilling rotations and the discrete Kirchhoff bending of Batoz, in space.
 
-A quadrilateral is the mean of its two divisions into two triangles, which a warped one can be divided into as well. Shells are
-thin: transverse shear is left out, which raises the first frequency of a plate of thickness t and width b by about (3 t / b)².
+A quadrilateral is the mean of its two divisions into two triangles, which a warped one can be divided into as well. Shells of one
+material are thin: transverse shear is left out, which raises the first frequency of a plate of thickness t and width b by about
+(3 t / b)². Layered ones have it: along each edge they bend and shear as a beam of Timoshenko does, and where shear is stiff the
+triangle is the thin one.
 """
+
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -38,14 +43,79 @@ def plane_stress(E: float, nu: float) -> Array:
     return E / (1 - nu**2) * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]])
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Layer:
+    """A layer of a laminate: elasticity `plane` (3, 3) of a thin sheet and shear moduli `across` (2,) of xz and yz [Pa], infinite
+    where stiff, along its fibres, at an `angle` [rad] from the laminate's first axis towards its second; [m] and [kg/m³]."""
+
+    plane: Array
+    across: Array
+    angle: float
+    thickness: float
+    density: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Laminate:
+    """Layers from the lower face up, by what strains and curvatures (A, B, D) and transverse shear cost, about their middle.
+
+    Attributes
+    ----------
+    membrane, coupling, bending : (3, 3) [N/m, N, N m], in the laminate's axes
+    shear : (2, 2) [N/m]; of infinite layers zero, and no shear is let be
+    masses : (3,) zeroth, first and second moment of density about the middle [kg/m², kg/m, kg]
+    height : of the middle above the nodes [m]
+    """
+
+    membrane: Array
+    coupling: Array
+    bending: Array
+    shear: Array
+    masses: Array
+    height: float = 0.0
+
+    @classmethod
+    def of(cls, layers: Sequence[Layer], height: float = 0.0) -> "Laminate":
+        """Of `layers`; along either axis transverse shear is spread as the equilibrium of a strip asks for that bends about its
+        neutral plane, 5/6 of G t of one layer (Whitney, J. Appl. Mech. 40, 1973)."""
+        ends = np.cumsum([0.0, *(one.thickness for one in layers)])
+        ends -= ends[-1] / 2
+        moments, masses, planes, softness = np.zeros((3, 3, 3)), np.zeros(3), [], []
+        for one, low, high in zip(layers, ends, ends[1:], strict=False):
+            c, s = np.cos(one.angle), np.sin(one.angle)
+            turn = np.array([[c * c, s * s, s * c], [s * s, c * c, -s * c], [-2 * s * c, 2 * s * c, c * c - s * s]])
+            planes.append(turn.T @ one.plane @ turn)
+            softness.append(np.array([[c, -s], [s, c]]) / one.across @ np.array([[c, s], [-s, c]]))
+            for k in range(3):
+                power = (high ** (k + 1) - low ** (k + 1)) / (k + 1)
+                moments[k] += power * planes[-1]
+                masses[k] += power * one.density
+        stretched, first, second = (np.diag(one)[:2] for one in moments)
+        neutral, passed, soft = first / stretched, np.zeros(2), np.zeros((2, 2))
+        X, W = np.polynomial.legendre.leggauss(3)
+        for Q, each, low, high in zip(planes, softness, ends, ends[1:], strict=False):
+            stretch, heights = np.diag(Q)[:2], [*((low + high + X * (high - low)) / 2), high]
+            flow = [passed - stretch * ((z - neutral) ** 2 - (low - neutral) ** 2) / 2 for z in heights]
+            soft += sum(w * (high - low) / 2 * each * np.outer(one, one) for w, one in zip(W, flow, strict=False))
+            passed = flow[-1]
+        stiff = np.outer(bending := second - neutral * first, bending)
+        shear = np.linalg.inv(soft) * stiff if soft.any() else soft
+        return cls(membrane=moments[0], coupling=moments[1], bending=moments[2], shear=shear, masses=masses, height=height)
+
+
 _STRETCHED = np.array([[6 * node + dof for dof in (0, 1, 5)] for node in range(3)]).ravel()
 _BENT = np.array([[6 * node + dof for dof in (2, 3, 4)] for node in range(3)]).ravel()
 
 
-def _laid(corners: Array) -> tuple[Array, Array]:
-    """Axes (c, 3, 3) of triangles (c, 3, 3), in rows, the third upright on them, and their corners (c, 3, 2) along two."""
+def _laid(corners: Array, along: Array | None = None) -> tuple[Array, Array]:
+    """Axes (c, 3, 3) of triangles (c, 3, 3), in rows, the third upright on them, and their corners (c, 3, 2) along two.
+
+    The first is `along` (c, 3), as far as it is in the plane, or the first side.
+    """
     first = corners[:, 1] - corners[:, 0]
     normal = np.cross(first, corners[:, 2] - corners[:, 0])
+    if along is not None:
+        first = along - np.sum(along * normal, axis=1, keepdims=True) * normal / np.sum(normal**2, axis=1, keepdims=True)
     x, z = (vector / np.linalg.norm(vector, axis=1, keepdims=True) for vector in (first, normal))
     R = np.stack([x, np.cross(z, x), z], axis=1)
     return R, np.einsum("cij,ckj->cki", R[:, :2], corners - corners[:, :1])
@@ -105,15 +175,75 @@ def matrices(corners: Array, thickness: float, E: float, nu: float, density: flo
     membrane, bending = turned[:, _STRETCHED], turned[:, _BENT]
     K_membrane = _seen(thickness * _membrane(flat, D, nu), membrane)
     K_bending = _seen(thickness**3 / 12 * _bending(flat, D), bending)
-    # Consistent mass, and the rotary inertia of a fibre through the thickness, which has none about itself
-    area = areas(corners)
-    N = displacement(corners, _SIX)
-    M = np.einsum("c,q,cqia,cqib->cab", density * thickness * area, _SIX_WEIGHTS, N, N, optimize=True)
-    about = np.eye(3) - np.einsum("ci,cj->cij", R[:, 2], R[:, 2])
-    spread = np.einsum("c,ab,cij->caibj", density * thickness**3 / 12 * area / 12, np.ones((3, 3)) + np.eye(3), about)
+    return K_membrane, K_bending, masses(corners, R[:, 2], density * thickness, density * thickness**3 / 12)
+
+
+def masses(corners: Array, normal: Array, area_density: float, rotary: float) -> Array:
+    """Consistent mass (c, 18, 18) of triangles, and the rotary inertia of a fibre through the thickness, none about itself."""
+    area, N = areas(corners), displacement(corners, _SIX)
+    M = np.einsum("c,q,cqia,cqib->cab", area_density * area, _SIX_WEIGHTS, N, N, optimize=True)
+    about = np.eye(3) - np.einsum("ci,cj->cij", normal, normal)
+    spread = np.einsum("c,ab,cij->caibj", rotary * area / 12, np.ones((3, 3)) + np.eye(3), about)
     whole = M.reshape(-1, 3, 6, 3, 6)
     whole[:, :, 3:, :, 3:] += spread
-    return K_membrane, K_bending, np.asarray(M)
+    return np.asarray(M)
+
+
+def layered(corners: Array, laminate: Laminate, along: Array, offsets: Array) -> tuple[Array, Array, Array]:
+    """Two shares of the stiffness and the mass of triangles (c, 3, 3) [m] of a laminate whose first axis is `along` (c, 3).
+
+    They are off their nodes by `offsets` (c, 3, 3) [m]. The shares grow with the thickness of all layers and with its cube, and
+    are such that their sum has its value and its derivative. Tilts in the middle of edges are those of a beam along each (Katili,
+    Int. J. Num. Meth. Eng. 36, 1993, DKMT).
+    """
+    R, flat = _laid(corners, along)
+    turned = np.einsum("ab,cij->caibj", np.eye(6), R).reshape(-1, 18, 18)[:, [*_STRETCHED, *_BENT]]
+    A, B, D = laminate.membrane, laminate.coupling, laminate.bending
+    area, mean, _ = _stretches(flat)
+    (linear, cubic), mixed = np.zeros((2, len(flat), 21, 21)), np.zeros((len(flat), 9, 12))
+    linear[:, :9, :9] = _membrane(flat, A, A[0, 1] / float(np.sqrt(A[0, 0] * A[1, 1])))
+    for bent in _curvatures(flat, _MIDDLES, free=True)[1]:
+        cubic[:, 9:, 9:] += area[:, None, None] / 3 * (bent.swapaxes(1, 2) @ D @ bent)
+        mixed += area[:, None, None] / 3 * (mean.swapaxes(1, 2) @ B @ bent)
+    for half in (linear, cubic):
+        half[:, :9, 9:] += mixed / 2
+        half[:, 9:, :9] += mixed.swapaxes(1, 2) / 2
+    edges, (_, slopes), sides = np.zeros((len(flat), 3, 12)), _slopes(flat), ((0, 1), (1, 2), (2, 0))
+    free, soft = D - B @ np.linalg.solve(A, B), np.linalg.inv(laminate.shear) if laminate.shear.any() else laminate.shear
+    phi = np.zeros((len(flat), 3))
+    for edge, (i, j) in enumerate(sides):  # shear along an edge times its length, where the tilt in its middle is 2/3 of its mean
+        side = flat[:, j] - flat[:, i]
+        length = np.linalg.norm(side, axis=1)
+        for node, sign in ((i, -1.0), (j, 1.0)):
+            edges[:, edge, 3 * node] = sign
+            edges[:, edge, 3 * node + 1], edges[:, edge, 3 * node + 2] = -side[:, 1] / 2, side[:, 0] / 2
+        edges[:, edge, 9 + edge] = 2 / 3 * length
+        a, b = (side / length[:, None]).T
+        bend = np.stack([a * a, b * b, 2 * a * b], axis=1)
+        phi[:, edge] = 12 * np.sum(bend @ free * bend, axis=1) * np.sum((side @ soft) * side, axis=1) / length**4
+    for L in _MIDDLES if laminate.shear.any() else ():
+        sheared = np.stack([L[i] * slopes[:, j] - L[j] * slopes[:, i] for i, j in sides], axis=2) @ edges
+        linear[:, 9:, 9:] += area[:, None, None] / 3 * (sheared.swapaxes(1, 2) @ laminate.shear @ sheared)
+    tilts = -edges[:, :, :9] / (edges[:, range(3), range(9, 12)] * (1 + phi))[:, :, None]
+    T = np.concatenate([np.tile(np.eye(18), (len(flat), 1, 1)), np.pad(tilts, ((0, 0), (0, 0), (9, 0)))], axis=1)
+    faded = np.concatenate([np.zeros((len(flat), 18, 18)), T[:, 18:] * (-2 * phi / (1 + phi))[:, :, None]], axis=1)
+    K, slope = T.swapaxes(1, 2) @ (linear + cubic) @ T, T.swapaxes(1, 2) @ (linear + cubic) @ faded
+    slope = T.swapaxes(1, 2) @ (linear + 3 * cubic) @ T + slope + slope.swapaxes(1, 2)  # by the logarithm of the thickness
+    # Mass is where its middle is, and turns about that
+    m, first, second = laminate.masses
+    lifted = [carried(offsets + R[:, None, 2] * (laminate.height + off)) for off in (0.0, first / m if m else 0.0)]
+    T = turned @ lifted[0]
+    M = masses(corners, R[:, 2], m, second - first**2 / m if m else 0.0)
+    return _seen((3 * K - slope) / 2, T), _seen((slope - K) / 2, T), _seen(M, lifted[1])
+
+
+def carried(offsets: Array) -> Array:
+    """What triangles (c, 18, 18) do of what their nodes do, which they are off by `offsets` (c, 3, 3)."""
+    T = np.tile(np.eye(18), (len(offsets), 1, 1))
+    for node in range(3):
+        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):  # rotation about j moves along i by the offset along k
+            T[:, 6 * node + i, 6 * node + 3 + j], T[:, 6 * node + i, 6 * node + 3 + k] = offsets[:, node, k], -offsets[:, node, j]
+    return T
 
 
 def displacement(corners: Array, weights: Array) -> Array:
@@ -146,10 +276,13 @@ def _bending(flat: Array, D: Array) -> Array:
     return K
 
 
-def _curvatures(flat: Array, weights: Array) -> tuple[Array, list[Array]]:
-    """Area (c,) and, at each of the area coordinates `weights` (q, 3), curvatures xx, yy, 2 xy (c, 3, 9) by the nine motions."""
+def _curvatures(flat: Array, weights: Array, free: bool = False) -> tuple[Array, list[Array]]:
+    """Area (c,) and, at each of the area coordinates `weights` (q, 3), curvatures xx, yy, 2 xy (c, 3, 9) by the nine motions.
+
+    Or (c, 3, 12): what the normal tilts along each edge in its middle beside the mean of its ends is `free`.
+    """
     c = len(flat)
-    G = np.zeros((c, 6, 2, 9))  # tilt of the normal (beta_x, beta_y) at corners and middles of edges
+    G = np.zeros((c, 6, 2, 12 if free else 9))  # tilt of the normal (beta_x, beta_y) at corners and middles of edges
     for node in range(3):
         G[:, node, 0, 3 * node + 2] = 1.0  # a rotation about y tilts the normal towards x
         G[:, node, 1, 3 * node + 1] = -1.0
@@ -159,8 +292,11 @@ def _curvatures(flat: Array, weights: Array) -> tuple[Array, list[Array]]:
         s = along / length[:, None]
         tangent = np.einsum("ci,cj->cij", s, s)
         # Across the edge the mean of the ends; along it -3 (w_j - w_i) / (2 l) - (their sum) / 4
-        blend = np.eye(2) / 2 - 0.75 * tangent
+        blend = np.eye(2) / 2 - (0.0 if free else 0.75) * tangent
         G[:, 3 + edge] = np.einsum("cij,cja->cia", blend, G[:, i] + G[:, j])
+        if free:
+            G[:, 3 + edge, :, 9 + edge] = s
+            continue
         G[:, 3 + edge, :, 3 * j] -= 1.5 * s / length[:, None]
         G[:, 3 + edge, :, 3 * i] += 1.5 * s / length[:, None]
     (area, slopes), found = _slopes(flat), []

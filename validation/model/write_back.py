@@ -341,13 +341,15 @@ def _properties(deck: Deck, program: Program, part: str, own: Sequence[Added]) -
         return said, program.mass(deck, at, (factor["mass"] - 1) * drawn / deck.units.mass)
     table = deck.parts.get(part)
     material = None if table is None else table.material
-    if table is None or material is None or material.youngs_modulus is None or material.poisson_ratio is None:
+    layered = isinstance(table, described.PartTable) and table.laminate is not None
+    if table is None or layered or material is None or material.youngs_modulus is None or material.poisson_ratio is None:
         hand = [
-            f"multiply the {PROPERTIES[family]} of {part} by {value:.6g}"
+            f"multiply the {PROPERTIES[family]} of {'each layer of ' if layered else ''}{part} by {value:.6g}"
             for family, value in factor.items()
             if family != "structural-damping"
         ]
-        raise CheckFailed(f"{deck.source} states no material of {part}. By hand: {', '.join(hand) or 'raise its loss factor'}.")
+        what = f"{part} is of layers" if layered else f"{deck.source} states no material of {part}"
+        raise CheckFailed(f"{what}. By hand: {', '.join(hand) or 'raise its loss factor'}.")
     if "thickness" in by and table.thickness is None:
         raise CheckFailed(f"{part} is of beams: multiply the height of its section, or its wall, by {factor['thickness']:.6g}.")
     u, lost = deck.units, table.loss_factor or 0.0

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fem.mesh import deck
 from geometry.errors import BadInput, CheckFailed
 from validation.cli.main import run
 from validation.model import model_file
@@ -193,6 +194,39 @@ def test_what_no_deck_can_say_is_said(beam: Path, effect: str, said: str) -> Non
     path.write_text(model(beam, {}).read_text(encoding="utf-8") + more, encoding="utf-8")
     with pytest.raises(CheckFailed, match="can be written for CalculiX"):
         written(model_file.read(path), "calculix")
+
+
+def test_effects_of_a_layered_part_are_those_of_all_its_layers_and_are_said_in_words(tmp_path: Path) -> None:
+    """Modulus, density and thickness of a clamped strip of unbalanced layers, its frequencies beside those of another deck."""
+
+    def study(factor: float, effects: Mapping[str, float]) -> Path:
+        layers = [(1.0, 0.0), (0.5, 45.0), (0.5, 90.0)]
+        lines = ["BEGIN BULK", "MAT8,2,130000.,9000.,.3,5000.,4000.,3000.,1.6-9"]
+        lines += ["PCOMP,1\n," + ",".join(f"2,{factor * t},{angle},YES" for t, angle in layers[:2])]
+        lines += [f",2,{factor * layers[2][0]},{layers[2][1]},YES"]
+        lines += [f"GRID,{1 + 2 * i + j},,{30.0 * i},{40.0 * j},0." for i in range(7) for j in range(2)]
+        lines += [f"CQUAD4,{i + 1},1,{2 * i + 1},{2 * i + 3},{2 * i + 4},{2 * i + 2}" for i in range(6)]
+        (tmp_path / "strip.bdf").write_text("\n".join([*lines, "SPC1,1,123456,1,2", "ENDDATA", ""]))
+        text = deck.described(tmp_path / "strip.bdf", "mm-t-N-s")[0].replace(
+            "[fe_model]\n", "[fe_model]\nplaces = { tip = 13 }\n"
+        )
+        text = text.replace("format = 1\n", 'format = 1\nmodel = { title = "Strip", article = "strip" }\n')
+        text += '[[test]]\nkind = "modal-table"\narticle = "strip"\nsensors = ["tip:z"]\nfrequencies = ["80 Hz", "400 Hz"]\n'
+        text += "".join(f'[[effect]]\nid = "{name}"\nvalue = {value}\n' for name, value in effects.items())
+        (tmp_path / "strip.toml").write_text(text)
+        return tmp_path / "strip.toml"
+
+    plain = of_massline(study(1.0, {}))
+    for name, value, wanted in (("modulus:1", -0.19, 0.9), ("mass:1", 0.21, 1 / 1.1)):
+        np.testing.assert_allclose(of_massline(study(1.0, {name: value})) / plain, wanted, rtol=1e-3)
+    thick = of_massline(study(1.0, {"thickness:1": 0.02}))
+    np.testing.assert_allclose(
+        thick, of_massline(study(1.02, {})), rtol=3e-4
+    )  # what grows with the square, but for its curvature
+    path = study(1.0, {"modulus:1": -0.2, "point-mass:tip": 0.01})
+    for form in ("nastran", "calculix"):
+        text = written(model_file.read(path), form)
+        assert "modulus:1: 1 is of layers. By hand: multiply the modulus of elasticity of each layer of 1 by 0.8." in text
 
 
 def test_inertia_rides_on_the_base_as_a_matrix_of_nastran(beam: Path) -> None:
