@@ -495,7 +495,7 @@ def study_text(path: str, tests: Sequence[str], out: Path) -> str:
 
         for table in test_file.tables(name, own):
             articles.setdefault(test_file.read(name, table).article, name)
-            of_files = {key for key in ("shapes", "frequencies") if isinstance(table.get(key), dict)} | {"file", "files"}
+            of_files = {"file", "files", "before"} | {key for key in ("shapes", "frequencies") if isinstance(table.get(key), dict)}
             changed: dict[str, Any] = {key: moved(table[key]) for key in of_files & table.keys()}
             tables.append({key: changed.get(key, value) for key, value in table.items() if key not in ("format", "article")})
     if len(articles) > 1:
