@@ -213,7 +213,9 @@ def since_before(modes: RealModes, table: ModalTable) -> ModalTable:
     if table.before is None or table.before_deviation is None:
         return table
     since = modes.frequency[list(partners(modes, replace(table, frequency=table.before)))] / table.before
-    deviation = np.hypot(table.frequency_deviation, table.frequency / table.before * table.before_deviation)
+    told = np.sqrt(np.mean((since - 1) ** 2)) * (table.frequency - table.before)  # a model that is off tells changes no better
+    both = np.hypot(table.frequency_deviation, table.frequency / table.before * table.before_deviation)
+    deviation = np.hypot(both, told)
     remark = "what is asked is how the frequencies have changed: the model is taken to be right before, mode by mode"
     changed = {"frequency": since * table.frequency, "frequency_deviation": since * deviation, "since": since}
     return replace(table, **changed, warnings=(*table.warnings, remark))

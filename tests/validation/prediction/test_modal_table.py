@@ -237,8 +237,11 @@ def test_beside_a_test_before_a_model_that_is_off_everywhere_misses_only_what_ha
         (test,) = modal_table.of(of, one)
         assert_allclose(test.measured.values[:, 0, 0].real, frequency, rtol=1e-12)
         assert_allclose(test.at({}).rows[:, 0, 0, 0].real, sound.frequency, rtol=1e-12)
-        # Known no better than both tests, and shown as what was read
-        assert np.all(test.measured.noise[:, 0, 0] > 1.3 * sound.frequency_deviation / off)
+        # Known no better than both tests, and a change no better than the model is right; shown as what was read
+        share = one.frequency / one.before
+        known = np.hypot(1, share) * sound.frequency_deviation / one.before
+        told = np.sqrt(np.mean((1 / off - 1) ** 2)) * (share - 1)
+        assert_allclose(test.measured.noise[:, 0, 0] / sound.frequency, np.hypot(known, told), rtol=1e-12)
         pairs = correlation.modal(test, {}).pairs
         assert_allclose([pair.measured_hz for pair in pairs], one.frequency, rtol=1e-12)
         assert_allclose([pair.model_hz for pair in pairs], one.before, rtol=1e-12)
