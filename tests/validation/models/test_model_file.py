@@ -340,7 +340,8 @@ def test_line_ends_of_another_system_stay_and_a_layout_of_several_lines_is_rewri
 
 def test_a_study_of_a_structure_that_has_a_title_keeps_it(tmp_path: Path) -> None:
     (tmp_path / "tower.toml").write_text(
-        'format = 1\nmodel = { title = "Two blocks on rulers", article = "tower" }\n[fe_model]\nkind = "frame"\nfixed = ["foot"]\n'
+        'format = 1\nmodel = { title = "Two blocks on rulers", article = "tower" }\n[fe_model]\nkind = "frame"\n'
+        'fixed = ["foot"]\n'
         'nodes = { foot = "0 mm", block = "50 mm" }\nmembers = { ruler = ["foot", "block"] }\nmaterial = "steel"\n'
         'section = { width = "25 mm", thickness = "1 mm", across = "x" }\nmasses = { block = "100 g" }\n'
     )
