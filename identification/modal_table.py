@@ -217,10 +217,7 @@ def _before(
         return BadInput(source=source, field="before", problem=problem, remedy=remedy)
 
     path = toml_file.named_file(str(table["before"]), folder, source, "before")
-    stated = toml_file.read(path)
-    if stated.get("kind") != table.get("kind"):
-        raise refused(f"{path.name} is no {table.get('kind')}", "Name the description of the test before")
-    earlier = of_table({"article": table["article"], **stated}, str(path), path.parent)
+    earlier = of_table({"article": table["article"], **toml_file.read(path)}, str(path), path.parent)
     if earlier.article != str(table["article"]):
         raise refused(f"{path.name} is of {earlier.article}, and this of {table['article']}", "Name a test of the same article")
     alike = earlier.sensors == points

@@ -285,7 +285,7 @@ def test_a_table_names_the_test_before_and_each_mode_has_that_of_then(tmp_path: 
 @pytest.mark.parametrize(
     ("earlier", "frequencies", "said"),
     [
-        ({**BEFORE, "kind": "response-functions"}, [9.5], "before.toml is no modal-table"),
+        ({**BEFORE, "drive": "tip:z"}, [9.5], "before.toml"),
         ({**BEFORE, "article": "plate"}, [9.5], "before.toml is of plate, and this of beam"),
         (BEFORE, [9.0, 15.0, 29.0, 40.0], "before.toml has 3 modes, and here are 4"),
     ],

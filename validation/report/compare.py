@@ -257,7 +257,7 @@ def moved(one: Tolerance) -> tuple[str, str]:
     """By how much a fit moved a tolerance, and the unit: of a factor by what share."""
     offset = float(np.expm1(one.offset)) if one.parameter.logarithmic else one.offset
     (text,), unit = written_as(one.parameter.unit, (offset,))
-    return text, unit
+    return text.replace("-", "−"), unit
 
 
 def correlation_tables(correlation: Sequence[ModalCorrelation | FunctionCorrelation]) -> tuple[doc.Table, doc.Table]:

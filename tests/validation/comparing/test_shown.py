@@ -169,4 +169,4 @@ def test_a_share_that_a_fit_moved_is_told_in_per_cent_and_of_a_factor_what_it_be
     plain = Tolerance(parameter=Parameter(name="mass:deck", unit="1", tolerance=0.01), offset=0.0633)
     factor = Tolerance(parameter=Parameter(name="modulus:leg", unit="1", tolerance=0.025, logarithmic=True), offset=-0.1)
     late = Tolerance(parameter=Parameter(name="board-delay:force", unit="s", tolerance=1e-5), offset=4e-5)
-    assert [compare.moved(one) for one in (plain, factor, late)] == [("+6.33", "%"), ("-9.52", "%"), ("+40.0", "µs")]
+    assert [compare.moved(one) for one in (plain, factor, late)] == [("+6.33", "%"), ("−9.52", "%"), ("+40.0", "µs")]
