@@ -41,7 +41,7 @@ class ModalTable:
     shapes : (m, s), real or complex, each up to a factor; None where there are none
     shapes_deviation : (m, s), positive, in the scale of `shapes`
     gain : standard deviation of the gain of a sensor, relative
-    before, before_deviation : (m,) [Hz] of the same modes in an earlier state of the article; None where none is stated
+    before : (m, 2) [Hz] the same in an earlier state of the article, and the deviations of that test; None where none is named
     since : (m,) by which frequencies are multiplied so that the earlier ones are those of a model; None where they are as read
     names : (m,) of the modes
     warnings : what is odd, in words
@@ -59,7 +59,6 @@ class ModalTable:
     shapes_deviation: Array | None = None
     gain: float = 0.02
     before: Array | None = None
-    before_deviation: Array | None = None
     since: Array | None = None
     names: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
@@ -67,8 +66,8 @@ class ModalTable:
     def __post_init__(self) -> None:
         m, s = len(np.atleast_1d(self.frequency)), len(self.sensors)
         freeze(self, frequency=(m,), frequency_deviation=(m,))
-        modal = ("damping_ratio", "damping_deviation", "before", "before_deviation", "since")
-        for name, shape in (*((one, (m,)) for one in modal), ("shapes_deviation", (m, s))):
+        stated = {"before": (m, 2), "shapes_deviation": (m, s)}
+        for name, shape in {**dict.fromkeys(("damping_ratio", "damping_deviation", "since"), (m,)), **stated}.items():
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
         if not np.all(self.frequency > 0) or not np.all(self.frequency_deviation > 0):
@@ -185,7 +184,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     kept = [k - 1 for k in numbers if k not in left_out]
     stated = tuple(str(one) for one in table.get("modes", ()))
     called = stated if len(stated) == len(frequency) else tuple(f"mode {k}" for k in numbers)
-    before, before_deviation = _before(table, source, folder, frequency, points, shapes) if "before" in table else (None, None)
+    before = _before(table, source, folder, frequency, points, shapes)[kept] if "before" in table else None
     gain = table.get("gain", 0.02)
     if isinstance(gain, bool) or not isinstance(gain, int | float) or not 0 <= gain < 10:
         raise BadInput(source=source, field="gain", problem=f"must be a share such as 0.02, found {gain!r}", remedy="Correct it")
@@ -201,8 +200,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
         shapes=None if shapes is None else shapes[kept],
         shapes_deviation=None if deviation is None else deviation[kept],
         gain=float(gain),
-        before=None if before is None else before[kept],
-        before_deviation=None if before_deviation is None else before_deviation[kept],
+        before=before,
         names=tuple(called[k] for k in kept),
         warnings=tuple(warnings),
     )
@@ -210,22 +208,17 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
 
 def _before(
     table: Mapping[str, Any], source: str, folder: Path, frequency: Array, points: tuple[Point, ...], shapes: Samples | None
-) -> tuple[Array, Array]:
-    """Frequencies of the modes of `table` in the earlier state that it names, and their deviations (m,)."""
-
-    def refused(problem: str, remedy: str) -> BadInput:
-        return BadInput(source=source, field="before", problem=problem, remedy=remedy)
-
+) -> Array:
+    """(m, 2) frequencies of the modes of `table` in the earlier state that it names, and their deviations."""
     path = toml_file.named_file(str(table["before"]), folder, source, "before")
-    earlier = of_table({"article": table["article"], **toml_file.read(path)}, str(path), path.parent)
-    if earlier.article != str(table["article"]):
-        raise refused(f"{path.name} is of {earlier.article}, and this of {table['article']}", "Name a test of the same article")
+    earlier, article = of_table({"article": table["article"], **toml_file.read(path)}, str(path), path.parent), table["article"]
     alike = earlier.sensors == points
     of = paired(frequency, earlier.frequency, shapes if alike else None, earlier.shapes if alike else None)
-    if -1 in of:
-        problem = f"{path.name} has {len(earlier.frequency)} modes, and here are {len(frequency)}"
-        raise refused(problem, "Leave out here what it has not: `leave_out`")
-    return earlier.frequency[list(of)], earlier.frequency_deviation[list(of)]
+    if earlier.article != str(article) or -1 in of:
+        problem = f"{path.name} has {len(earlier.names)} modes of {earlier.article}, and here are {len(frequency)} of {article}"
+        remedy = "Name a test of the same article, and leave out here what it has not: `leave_out`"
+        raise BadInput(source=source, field="before", problem=problem, remedy=remedy)
+    return np.stack([earlier.frequency, earlier.frequency_deviation], axis=1)[list(of)]
 
 
 def _deviation(stated: Any, share: float, of: Array, warnings: list[str], what: str, source: str, field: str) -> Array:

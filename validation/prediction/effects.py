@@ -318,8 +318,7 @@ class Nuisances:
         made += [Parameter(name=name, unit="1", tolerance=one, kind=STRUCTURAL) for name, one in between.items()]
         if self.unchanged:
             losing = ("loss", "damping", "coupling", *LAWS)
-            least = {one.name: 1.0 if one.name.partition(":")[0] in losing else UNCHANGED for one in made}
-            made = [replace(one, tolerance=least[one.name] * one.tolerance) for one in made]
+            made = [one if one.family in losing else replace(one, tolerance=UNCHANGED * one.tolerance) for one in made]
         return tuple(one for one in made if one.tolerance > 0)
 
     def known(self, part: str, what: str, usual: float) -> float:

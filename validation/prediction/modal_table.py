@@ -198,7 +198,7 @@ def partners(modes: RealModes, table: ModalTable) -> tuple[int, ...]:
     if len(moving) < len(table.frequency):
         raise ValueError(f"the model has {len(moving)} modes, and the table {len(table.frequency)}")
     shapes = None if table.shapes is None else (seen(modes.matrices, table) @ modes.shapes[:, moving]).T
-    known = table.frequency if table.since is None or table.before is None else table.since * table.before  # which mode it was
+    known = table.frequency if table.since is None or table.before is None else table.since * table.before[:, 0]  # as it was
     return tuple(int(moving[k]) for k in paired(known, f[moving], table.shapes, shapes))
 
 
@@ -210,11 +210,12 @@ def since_before(modes: RealModes, table: ModalTable) -> ModalTable:
     ------
     ValueError : the model has fewer modes than the table.
     """
-    if table.before is None or table.before_deviation is None:
+    if table.before is None:
         return table
-    since = modes.frequency[list(partners(modes, replace(table, frequency=table.before)))] / table.before
-    told = np.sqrt(np.mean((since - 1) ** 2)) * (table.frequency - table.before)  # a model that is off tells changes no better
-    both = np.hypot(table.frequency_deviation, table.frequency / table.before * table.before_deviation)
+    before, known = table.before.T
+    since = modes.frequency[list(partners(modes, replace(table, frequency=before)))] / before
+    told = np.sqrt(np.mean((since - 1) ** 2)) * (table.frequency - before)  # a model that is off tells changes no better
+    both = np.hypot(table.frequency_deviation, table.frequency / before * known)
     deviation = np.hypot(both, told)
     remark = "what is asked is how the frequencies have changed: the model is taken to be right before, mode by mode"
     changed = {"frequency": since * table.frequency, "frequency_deviation": since * deviation, "since": since}
