@@ -6,7 +6,8 @@ import math
 import os
 import re
 import tomllib
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -139,6 +140,26 @@ def named_file(name: str, folder: Path, source: str, where: str) -> Path:
         remedy = f"Looked for {there}" + (f"; {DATA} names the folder of data" if within != name else "")
         raise BadInput(source=source, field=where, problem=f"there is no file {name!r}", remedy=remedy)
     return there
+
+
+def texts(value: object) -> Iterator[str]:
+    """Every text in a table or a list, however deep."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Mapping | list):
+        for one in value.values() if isinstance(value, Mapping) else value:
+            yield from texts(one)
+
+
+def files_named(path: Path) -> tuple[Path, ...]:
+    """The files that the one at `path` names where it is TOML, seen from its folder or by `DATA`, and those that these name."""
+    found = [path]
+    for one in found:
+        with suppress(BadInput, OSError, ValueError):  # whoever reads it says what is wrong; a text that no file can be called
+            for text in texts(read(one)) if one.suffix == ".toml" else ():
+                there = one.parent / os.path.expandvars(text)
+                found += [there] if there.suffix and there not in found and there.is_file() else []
+    return tuple(found[1:])
 
 
 def wrong(found: object, wanted: str, source: str, where: str, remedy: str = "Correct it") -> BadInput:

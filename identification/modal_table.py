@@ -41,6 +41,8 @@ class ModalTable:
     shapes : (m, s), real or complex, each up to a factor; None where there are none
     shapes_deviation : (m, s), positive, in the scale of `shapes`
     gain : standard deviation of the gain of a sensor, relative
+    before : (m, 2) [Hz] the same in an earlier state of the article, and the deviations of that test; None where none is named
+    since : (m,) by which frequencies are multiplied so that the earlier ones are those of a model; None where they are as read
     names : (m,) of the modes
     warnings : what is odd, in words
     """
@@ -56,13 +58,16 @@ class ModalTable:
     shapes: Samples | None = None
     shapes_deviation: Array | None = None
     gain: float = 0.02
+    before: Array | None = None
+    since: Array | None = None
     names: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         m, s = len(np.atleast_1d(self.frequency)), len(self.sensors)
         freeze(self, frequency=(m,), frequency_deviation=(m,))
-        for name, shape in (("damping_ratio", (m,)), ("damping_deviation", (m,)), ("shapes_deviation", (m, s))):
+        stated = {"before": (m, 2), "shapes_deviation": (m, s)}
+        for name, shape in {**dict.fromkeys(("damping_ratio", "damping_deviation", "since"), (m,)), **stated}.items():
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
         if not np.all(self.frequency > 0) or not np.all(self.frequency_deviation > 0):
@@ -93,6 +98,7 @@ KEYS = [
     "damping_deviation",
     "shapes_deviation",
     "gain",
+    "before",
     "modes",
     "leave_out",
     "separator",
@@ -110,6 +116,8 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     place of all of these: a universal file with dataset 55, whose ``places`` are names by number of the node; or the arrays of a
     program (.npz, .mat, .h5, .json) under the names of pyOMA2 or sdypy-EMA, or those that ``arrays`` gives them, for the
     ``sensors`` in their order. ``leave_out`` numbers modes, from 1, that are none of the structure: a machine's harmonic.
+    ``before`` names another such description, of the same article in an earlier state: what a model is asked then is what has
+    changed since.
 
     Raises
     ------
@@ -176,6 +184,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     kept = [k - 1 for k in numbers if k not in left_out]
     stated = tuple(str(one) for one in table.get("modes", ()))
     called = stated if len(stated) == len(frequency) else tuple(f"mode {k}" for k in numbers)
+    before = _before(table, source, folder, frequency, points, shapes)[kept] if "before" in table else None
     gain = table.get("gain", 0.02)
     if isinstance(gain, bool) or not isinstance(gain, int | float) or not 0 <= gain < 10:
         raise BadInput(source=source, field="gain", problem=f"must be a share such as 0.02, found {gain!r}", remedy="Correct it")
@@ -191,9 +200,25 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
         shapes=None if shapes is None else shapes[kept],
         shapes_deviation=None if deviation is None else deviation[kept],
         gain=float(gain),
+        before=before,
         names=tuple(called[k] for k in kept),
         warnings=tuple(warnings),
     )
+
+
+def _before(
+    table: Mapping[str, Any], source: str, folder: Path, frequency: Array, points: tuple[Point, ...], shapes: Samples | None
+) -> Array:
+    """(m, 2) frequencies of the modes of `table` in the earlier state that it names, and their deviations."""
+    path = toml_file.named_file(str(table["before"]), folder, source, "before")
+    earlier, article = of_table({"article": table["article"], **toml_file.read(path)}, str(path), path.parent), table["article"]
+    alike = earlier.sensors == points
+    of = paired(frequency, earlier.frequency, shapes if alike else None, earlier.shapes if alike else None)
+    if earlier.article != str(article) or -1 in of:
+        problem = f"{path.name} has {len(earlier.names)} modes of {earlier.article}, and here are {len(frequency)} of {article}"
+        remedy = "Name a test of the same article, and leave out here what it has not: `leave_out`"
+        raise BadInput(source=source, field="before", problem=problem, remedy=remedy)
+    return np.stack([earlier.frequency, earlier.frequency_deviation], axis=1)[list(of)]
 
 
 def _deviation(stated: Any, share: float, of: Array, warnings: list[str], what: str, source: str, field: str) -> Array:

@@ -264,6 +264,40 @@ def test_a_table_of_modes_that_cannot_be_used_is_refused_in_words(case: str, tmp
         test_file.read(tmp_path / "t.toml", {"kind": "modal-table", "article": "beam", **more})
 
 
+READ_BEFORE = ["10 +/- 0.1 Hz", "16 +/- 0.2 Hz", "30 +/- 0.3 Hz"]
+BEFORE = {"format": 1, "kind": "modal-table", "article": "beam", "frequencies": READ_BEFORE}
+
+
+def toml_of(table: dict[str, Any]) -> str:
+    return "".join(f"{key} = {json.dumps(value)}\n" for key, value in table.items())
+
+
+def test_a_table_names_the_test_before_and_each_mode_has_that_of_then(tmp_path: Path) -> None:
+    (tmp_path / "before.toml").write_text(toml_of(BEFORE), encoding="utf-8")
+    table = {"kind": "modal-table", "article": "beam", "before": "before.toml", "frequencies": [9.5, 29.0], "leave_out": [1]}
+    found = test_file.read(tmp_path / "t.toml", table)
+    assert isinstance(found, ModalTable)
+    assert found.before is not None
+    assert_allclose([found.frequency[0], *found.before[0]], [29.0, 30.0, 0.3])
+
+
+@pytest.mark.parametrize(
+    ("earlier", "frequencies", "said"),
+    [
+        ({**BEFORE, "drive": "tip:z"}, [9.5], "before.toml"),
+        ({**BEFORE, "article": "plate"}, [9.5], "3 modes of plate, and here are 1 of beam"),
+        (BEFORE, [9.0, 15.0, 29.0, 40.0], "before.toml has 3 modes of beam, and here are 4 of beam"),
+    ],
+)
+def test_a_test_before_that_is_none_of_the_same_is_refused(
+    earlier: dict[str, Any], frequencies: list[float], said: str, tmp_path: Path
+) -> None:
+    (tmp_path / "before.toml").write_text(toml_of(earlier), encoding="utf-8")
+    table = {"kind": "modal-table", "article": "beam", "before": "before.toml", "frequencies": frequencies}
+    with pytest.raises(BadInput, match=said):
+        test_file.read(tmp_path / "t.toml", table)
+
+
 def test_a_table_that_is_typed_has_deviations_or_says_that_the_usual_are_taken(tmp_path: Path) -> None:
     table = {
         "kind": "modal-table",

@@ -1002,16 +1002,8 @@ def copied(model: Path, to: Path) -> None:
 
 def _named(text: str, model: Path) -> Iterator[Path]:
     """The files of structure and tests, which lie with `model` or below, and what lies beside them under the same name."""
-
-    def texts(value: object) -> Iterator[str]:
-        if isinstance(value, str):
-            yield value
-        elif isinstance(value, Mapping | list):
-            for one in value.values() if isinstance(value, Mapping) else value:
-                yield from texts(one)
-
     table, seen = toml_file.parse(text, str(model)), {model}
-    for name in texts([table.get("fe_model"), table.get("test")]):
+    for name in toml_file.texts([table.get("fe_model"), table.get("test")]):
         path = model.parent / name
         with suppress(OSError, ValueError):  # a text that no file can be called
             if path.is_file() and path.resolve().is_relative_to(model.parent.resolve()):

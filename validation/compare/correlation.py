@@ -138,12 +138,13 @@ def of_modes(modes: RealModes, table: ModalTable, allowed: npt.ArrayLike = 0.0) 
         matrix, crossed = mac(read, seen_of), cross_orthogonality(read, seen_of)
         names = [point.name for point in table.sensors]
         by_sensor = dict(zip(names, comac(table.shapes, shapes[list(of)]).tolist(), strict=True))
+    since = np.ones(len(of)) if table.since is None else table.since
     pairs = tuple(
         ModePair(
             measured=table.names[k],
             model=of[k] + 1,
-            measured_hz=float(table.frequency[k]),
-            model_hz=float(f[of[k]]),
+            measured_hz=float(table.frequency[k] / since[k]),
+            model_hz=float(f[of[k]] / since[k]),
             percent=float(100 * (f[of[k]] / table.frequency[k] - 1)),
             sigmas=float((f[of[k]] - table.frequency[k]) / table.frequency_deviation[k]),
             mac=float(matrix[k, looked.index(of[k])]) if matrix.size else None,

@@ -161,6 +161,8 @@ def told(of: Evaluation, explained: ExplainedError, peak: float, due: float | No
     said = f"a sound laboratory would miss by up to {percent(explained.measurement)}"
     if explained.with_modes > NOTICED * explained.measurement:
         said += f", with the tolerances of its modes by up to {percent(explained.with_modes)}"
+    if not high and of.plain.percent > max(explained.measurement, explained.with_modes):
+        said += " beside noise"
     fmd = "the FMD identified, " if any(one.name.startswith("fmd") for one in of.plain_fit.parameters) else ""
     plain = StatedError(
         name="plain error",

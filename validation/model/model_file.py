@@ -303,6 +303,8 @@ def of_table(table: dict[str, Any], source: str) -> Model:
         kind = toml_file.kind_of(table)
         what = f"this is {kind}" if kind else "the table [model] is missing"
         remedy = f"{nearest('model', list(table))}`massline model ARTICLE --out FILE` writes one"
+        if STRUCTURE_FILE[0] in table:
+            remedy = f"`massline model {source} --test TEST --out STUDY` writes one for it and its test"
         raise BadInput(source=source, field="model", problem=f"{what}, where a model file is needed", remedy=remedy)
     toml_file.require_format(table, source)
     whole = Fields(source=source, place="", table=table).only(TABLES)
@@ -495,14 +497,17 @@ def study_text(path: str, tests: Sequence[str], out: Path) -> str:
 
         for table in test_file.tables(name, own):
             articles.setdefault(test_file.read(name, table).article, name)
-            of_files = {key for key in ("shapes", "frequencies") if isinstance(table.get(key), dict)} | {"file", "files"}
+            tabled = {key for key in ("shapes", "frequencies") if isinstance(table.get(key), dict)}
+            of_files = tabled | {"file", "files", "before"}
             changed: dict[str, Any] = {key: moved(table[key]) for key in of_files & table.keys()}
             tables.append({key: changed.get(key, value) for key, value in table.items() if key not in ("format", "article")})
     if len(articles) > 1:
         problem = f"they are of {' and of '.join(articles)}"
         raise BadInput(source="--test", problem=problem, remedy="Write a study for each")
     article = next(iter(articles), own)
-    lines = ["format = 1", f"model = {{ title = {string(structure.name)}, article = {string(article)} }}"]
+    stated = toml_file.read(path).get("model", {}) if Path(path).suffix == ".toml" else {}
+    title = string(str(stated.get("title", structure.name)))
+    lines = ["format = 1", f"model = {{ title = {title}, article = {string(article)} }}"]
     lines.append(f"structure = {{ own = {{ {string(article)} = {string(seen(path, 'ARTICLE'))} }} }}")
     return "\n".join([*lines, *("\n" + test_table(table) for table in tables)]) + "\n"
 

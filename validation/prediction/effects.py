@@ -250,6 +250,11 @@ FINE_MESH = 0.1
 tolerance. By definition."""
 
 
+UNCHANGED = 0.1
+"""Share of its tolerances that an article may have changed by between two tests: 0.25 % of a modulus is what 5 K do to steel.
+Exercised by tests/validation/prediction/test_modal_table.py."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Nuisances:
     """The uncertain numbers of one article.
@@ -266,6 +271,7 @@ class Nuisances:
     reduced : of which they are, of a structure by itself
     weighed : share by which all that bends may be heavier than drawn, its modes with it
     assumed : whether nobody stated what it loses
+    unchanged : whether it is asked how it has changed since a test before, so that but for its losses it is the same article
     last : what a prediction made of them last, for the next that asks the same
     """
 
@@ -279,6 +285,7 @@ class Nuisances:
     reduced: ReducedStructure | None = None
     weighed: float = 0.0
     assumed: bool = False
+    unchanged: bool = False
     last: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
     def at_positions(self, positions: Sequence[str], *, anew: bool = True) -> "Nuisances":
@@ -320,6 +327,9 @@ class Nuisances:
         for r, s in () if self.nominal.base else self.pairs:
             between[f"mixing:{self.configuration}:{r + 1}:{s + 1}"] = sqrt(2 * known[r] * known[s])
         made += [Parameter(name=name, unit="1", tolerance=one, kind=STRUCTURAL) for name, one in between.items()]
+        if self.unchanged:
+            losing = ("loss", "damping", "coupling", *LAWS)
+            made = [one if one.family in losing else replace(one, tolerance=UNCHANGED * one.tolerance) for one in made]
         return tuple(one for one in made if one.tolerance > 0)
 
     def known(self, part: str, what: str, usual: float) -> float:
@@ -514,6 +524,7 @@ def nuisances(
     reduced: ReducedStructure | None = None,
     weighed: float = 0.0,
     assumed: bool = False,
+    unchanged: bool = False,
 ) -> Nuisances:
     """The nuisances of `matrices`.
 
@@ -523,7 +534,7 @@ def nuisances(
     losses : loss factor by part of the structure, sheets of one material alike; none where damping is given by mode
     highest : [Hz] modes above are taken as computed
     part_tolerances : as in `fem.structure.Structure`
-    scaled, reduced, weighed, assumed : as `Nuisances` has them
+    scaled, reduced, weighed, assumed, unchanged : as `Nuisances` has them
     """
     known = tolerances or StructureTolerances()
     if assumed and known.damping:
@@ -539,6 +550,7 @@ def nuisances(
         reduced=reduced,
         weighed=weighed,
         assumed=assumed,
+        unchanged=unchanged,
     )
 
 

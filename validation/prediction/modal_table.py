@@ -198,7 +198,28 @@ def partners(modes: RealModes, table: ModalTable) -> tuple[int, ...]:
     if len(moving) < len(table.frequency):
         raise ValueError(f"the model has {len(moving)} modes, and the table {len(table.frequency)}")
     shapes = None if table.shapes is None else (seen(modes.matrices, table) @ modes.shapes[:, moving]).T
-    return tuple(int(moving[k]) for k in paired(table.frequency, f[moving], table.shapes, shapes))
+    known = table.frequency if table.since is None or table.before is None else table.since * table.before[:, 0]  # as it was
+    return tuple(int(moving[k]) for k in paired(known, f[moving], table.shapes, shapes))
+
+
+def since_before(modes: RealModes, table: ModalTable) -> ModalTable:
+    """`table` as it would be of an article that had the frequencies of the model before, mode by mode: only what has changed
+    since is left.
+
+    Raises
+    ------
+    ValueError : the model has fewer modes than the table.
+    """
+    if table.before is None:
+        return table
+    before, known = table.before.T
+    since = modes.frequency[list(partners(modes, replace(table, frequency=before)))] / before
+    told = np.sqrt(np.mean((since - 1) ** 2)) * (table.frequency - before)  # a model that is off tells changes no better
+    both = np.hypot(table.frequency_deviation, table.frequency / before * known)
+    deviation = np.hypot(both, told)
+    remark = "what is asked is how the frequencies have changed: the model is taken to be right before, mode by mode"
+    changed = {"frequency": since * table.frequency, "frequency_deviation": since * deviation, "since": since}
+    return replace(table, **changed, warnings=(*table.warnings, remark))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -492,6 +513,7 @@ def of(
             raise BadInput(source=table.source, field=point.place, problem=problem, remedy=remedy)
     modes = real_modes(structure.nominal)
     try:
+        table = since_before(modes, table)
         every = partners(modes, table)
     except ValueError as error:
         remedy = "Keep more modes of the model, or leave modes out of the table"

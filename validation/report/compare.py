@@ -14,7 +14,8 @@ from geometry.frames import Array
 from validation.compare.compare import Comparison, compared, run, text, worst_pairs
 from validation.compare.correlation import FunctionCorrelation, ModalCorrelation
 from validation.compare.maps import Map, NamedMode
-from validation.estimation.verdicts import ABSURD, STANDS_OUT, StatedError, absurd, misfit
+from validation.effects.practical_units import written_as
+from validation.estimation.verdicts import ABSURD, STANDS_OUT, StatedError, Tolerance, absurd, misfit
 from validation.output import NONE, json_text, shown, stages, to_json, two_digits, with_unit
 from validation.reference.reference import file_name
 from validation.report import document as doc
@@ -205,13 +206,9 @@ class ComparisonPage:
             columns=(
                 doc.Column("tolerance", lambda one: one.parameter.name, words=True, said="moved too far"),
                 doc.Column("moved by", lambda one: one.z, "+.2f", unit="z", said=("z", "+.1f")),
-                doc.Column("moved by", lambda one: one.offset, "+.3g", on=doc.PAGE),
-                doc.Column(
-                    "moved by",
-                    lambda one: with_unit(f"{one.offset:+.3g}", one.parameter.unit),
-                    on=doc.TERMINAL,
-                ),
-                doc.Column("unit", lambda one: one.parameter.unit, words=True, on=doc.PAGE),
+                doc.Column("moved by", lambda one: moved(one)[0], on=doc.PAGE),
+                doc.Column("moved by", lambda one: with_unit(*moved(one)), on=doc.TERMINAL),
+                doc.Column("unit", lambda one: moved(one)[1], words=True, on=doc.PAGE),
             ),
             note="One standard deviation of what was known beforehand is 1 z. Beyond 4 no careful laboratory has it.",
         )
@@ -254,6 +251,13 @@ class ComparisonPage:
         if self.found.effects:
             yield f"Effects in the model: {', '.join(self.found.effects)}."
         yield from (f"warning: {text}." for text in self.found.remarks)
+
+
+def moved(one: Tolerance) -> tuple[str, str]:
+    """By how much a fit moved a tolerance, and the unit: of a factor by what share."""
+    offset = float(np.expm1(one.offset)) if one.parameter.logarithmic else one.offset
+    (text,), unit = written_as(one.parameter.unit, (offset,))
+    return text.replace("-", "−"), unit
 
 
 def correlation_tables(correlation: Sequence[ModalCorrelation | FunctionCorrelation]) -> tuple[doc.Table, doc.Table]:

@@ -132,7 +132,8 @@ class FleetPage:
         )
         said = said.replace("differ.", "differs.") if len(apart) == 1 else said
         laboratories = {one.member.laboratory for one in found.members} - {""}
-        counted = f"{len(found.members)} mountings of {len(found.articles)} articles in {max(len(laboratories), 1)} laboratories"
+        places = f"{len(laboratories)} laboratories" if len(laboratories) > 1 else "one laboratory"
+        counted = f"{len(found.members)} mountings of {len(found.articles)} articles in {places}"
         drawn = doc.Drawn(self.sizes, "Each point a mounting, with the 90 % interval of its fit.") if found.scatter else None
         return doc.Document(
             opening=(said, f"{counted}, each diagnosed by itself."),

@@ -59,7 +59,7 @@ HOW_HELD = {
 UNNAMED = {"structure", "damped", "rest"}
 """Shares that a reader makes of a stiffness that has no parts."""
 
-WHAT_STRAINS = "What moves: the parts that are strained, with their share of the strain energy; the model has no coordinates."
+WHAT_STRAINS = "What moves: the parts that are strained, with their share of the strain energy; how they move is not known."
 
 WHAT_MOVES = "What moves: parts with their share of the kinetic energy and the axis along which most of it goes."
 

@@ -22,6 +22,7 @@ import click
 
 from geometry.atomic import write_text, write_with
 from geometry.errors import BadInput, CheckFailed
+from geometry.toml_file import files_named
 from identification.campaign import METHODS
 from validation import study as validation_study
 from validation.classical.files import read
@@ -633,6 +634,8 @@ def provenance(asked: ReportOptions) -> Provenance:
             there[name] = version_of(name)
     found = there | {"Python": python_version(), "system": platform()}
     versions = {**found, "browser that prints": version(browser_path())} if asked.pdf else found
+    asked_of = (question.model, *question.data)
+    named = [str(one) for path in asked_of for one in files_named(Path(path))]
     # Files of code that take part in every figure
     own_effects = tuple(source for source in SOURCES.values() if Path(source).is_file())
     return Provenance(
@@ -640,7 +643,7 @@ def provenance(asked: ReportOptions) -> Provenance:
         by=asked.by,
         command=asked.command or command_line(question, diagnosis=asked.diagnosis),
         versions=versions,
-        inputs=tuple(Source(path=path, digest=digest(path)) for path in (question.model, *question.data, *own_effects)),
+        inputs=tuple(Source(path=path, digest=digest(path)) for path in dict.fromkeys((*asked_of, *named, *own_effects))),
         settings={
             "method": question.spectra,
             "band_hz": question.band or "what all runs drive",

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from validation.compare.compare import Comparison, Spot, text
-from validation.estimation.problem import Share
-from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, ExplainedError, absurd, expected_z2, told
+from validation.estimation.problem import Parameter, Share
+from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, ExplainedError, Tolerance, absurd, expected_z2, told
 from validation.output import entry, to_json
 from validation.report import compare
 from validation.report.compare import draw
@@ -86,6 +86,7 @@ def test_what_modes_and_tolerances_let_expect_is_told_where_it_counts(evaluation
     said = told(of, ExplainedError(measurement=0.97, with_modes=6.1), 2.0)[1].text
     assert said.startswith("a sound laboratory would miss by up to 0.97 %, with the tolerances of its modes by up to 6.1 %")
     assert "modes" not in told(of, EXPECTED, 2.0)[1].text
+    assert "beside noise, and nothing stands out" in told(of, ExplainedError(measurement=0.97, with_modes=0.97), 2.0)[1].text
     fit = evaluation().fitted
     shares = 1 - np.array([1e-5, 1e-6, 1e-6]) / np.array([0.025, 0.003, 0.003]) ** 2
     assert expected_z2(fit) == pytest.approx(shares.sum(), rel=1e-12)
@@ -162,3 +163,10 @@ def test_a_new_figure_is_one_field_and_one_row(found, monkeypatch):
     assert re.search(r"error at resonances.*data-value=\"12\.5\"", table.html())
     assert {"name": "error at resonances", "figure": "12.5 %"}.items() <= table.panel()[-1].items()
     assert list(to_json(wider))[-1] == "error_at_resonances_percent"
+
+
+def test_a_share_that_a_fit_moved_is_told_in_per_cent_and_of_a_factor_what_it_became():
+    plain = Tolerance(parameter=Parameter(name="mass:deck", unit="1", tolerance=0.01), offset=0.0633)
+    factor = Tolerance(parameter=Parameter(name="modulus:leg", unit="1", tolerance=0.025, logarithmic=True), offset=-0.1)
+    late = Tolerance(parameter=Parameter(name="board-delay:force", unit="s", tolerance=1e-5), offset=4e-5)
+    assert [compare.moved(one) for one in (plain, factor, late)] == [("+6.33", "%"), ("−9.52", "%"), ("+40.0", "µs")]

@@ -3,6 +3,7 @@
 import re
 from dataclasses import asdict, fields
 from math import radians
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -171,6 +172,7 @@ def test_dimensions_may_be_written_as_tables():
     [
         ("format = 2\n[model]\narticle = 'fmd'", "format", "must be 1, found 2"),
         ("format = 1\n[campaign]\ntitle = 'x'", "model", "this is a campaign.toml, where a model file is needed"),
+        ("format = 1\n[fe_model]\nkind = 'mesh'", "model", "massline model lab.toml --test TEST"),
         ("format = 1\n[modell]\narticle = 'fmd'", "model", "Did you mean modell"),
         ("format = 1\n[model]\ntitle = 'x'", "model.article", "the set-up is missing"),
         ("format = 1\n[model]\narticle = 'fmd+clumod-2'", "model.article", "no built-in article is called 'clumod-2'"),
@@ -334,3 +336,20 @@ def test_line_ends_of_another_system_stay_and_a_layout_of_several_lines_is_rewri
     edited = model_file.with_effect(text, added("appendage:z=m:0.2,f:20,zeta:0.01"))
     assert model_file.of_text(edited, "m").effects[0].named.values["m"] == 0.2
     assert model_file.without_effect(text, "appendage:z") == SMALLEST
+
+
+def test_a_study_of_a_structure_that_has_a_title_keeps_it(tmp_path: Path) -> None:
+    (tmp_path / "tower.toml").write_text(
+        'format = 1\nmodel = { title = "Two blocks on rulers", article = "tower" }\n[fe_model]\nkind = "frame"\n'
+        'fixed = ["foot"]\n'
+        'nodes = { foot = "0 mm", block = "50 mm" }\nmembers = { ruler = ["foot", "block"] }\nmaterial = "steel"\n'
+        'section = { width = "25 mm", thickness = "1 mm", across = "x" }\nmasses = { block = "100 g" }\n'
+    )
+    for name, more in (("before", ""), ("after", 'before = "before.toml"\n')):
+        table = 'format = 1\nkind = "modal-table"\narticle = "tower"\nfrequencies = ["20 +/- 0.1 Hz"]\n'
+        (tmp_path / f"{name}.toml").write_text(table + more)
+    study = tmp_path / "study.toml"
+    text = model_file.study_text(str(tmp_path / "tower.toml"), [str(tmp_path / "after.toml")], study)
+    study.write_text(text)
+    assert model_file.read(study).title == "Two blocks on rulers"
+    assert model_file.read(study).tests[0]["before"] == "before.toml"

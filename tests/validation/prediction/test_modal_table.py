@@ -10,6 +10,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import Point, Tolerances
 from identification.modal_table import SOUND_SHAPE, ModalTable, mac, paired
+from validation.compare import correlation
 from validation.diagnose.search import SCATTER, goodness_of_fit
 from validation.effects.catalogue import Named
 from validation.effects.stages import Matrices
@@ -225,6 +226,43 @@ def test_a_run_that_is_left_out_takes_its_mode_along_and_not_its_partner() -> No
         alone = test.on(("mode 3",))
         assert alone.measured.runs == ("mode 3",)
         assert_allclose(np.abs(alone.at({}).rows[0]), np.abs(test.at({}).rows[2]), rtol=1e-12)
+
+
+def test_beside_a_test_before_a_model_that_is_off_everywhere_misses_only_what_has_changed_since() -> None:
+    of, sound, changed = chain(), table(chain(), **NO_SHAPES), table(chain(ends=(0.6, 1.0)), **NO_SHAPES)
+    off = np.array([1.15, 0.93, 1.1, 0.88])  # what this model does not know of the article
+    sd, read = sound.frequency_deviation, off * sound.frequency
+    before = np.stack([read, sd], axis=1)
+    asked = [replace(one, frequency=off * one.frequency, frequency_deviation=sd, before=before) for one in (sound, changed)]
+    for one, frequency in zip(asked, (sound.frequency, changed.frequency), strict=True):
+        (test,) = modal_table.of(of, one)
+        assert_allclose(test.measured.values[:, 0, 0].real, frequency, rtol=1e-12)
+        assert_allclose(test.at({}).rows[:, 0, 0, 0].real, sound.frequency, rtol=1e-12)
+        # Known no better than both tests, and a change no better than the model is right; shown as what was read
+        share = one.frequency / read
+        known = np.hypot(1, share) * sd / read
+        told = np.sqrt(np.mean((1 / off - 1) ** 2)) * (share - 1)
+        assert_allclose(test.measured.noise[:, 0, 0] / sound.frequency, np.hypot(known, told), rtol=1e-12)
+        pairs = correlation.modal(test, {}).pairs
+        assert_allclose([pair.measured_hz for pair in pairs], one.frequency, rtol=1e-12)
+        assert_allclose([pair.model_hz for pair in pairs], read, rtol=1e-12)
+        assert "how the frequencies have changed" in test.remarks[-1]
+
+
+def test_modes_that_cross_in_a_model_beside_a_test_before_keep_their_partners() -> None:
+    of, sound = chain(), table(chain(), **NO_SHAPES)
+    f = sound.frequency
+    # The first mode rose so far that, seen from the model, it stands above the second
+    rose = replace(sound, frequency=f * [2.2, 1.0, 1.0, 1.0], before=np.stack([f, sound.frequency_deviation], axis=1))
+    (test,) = modal_table.of(of, rose)
+    assert [pair.model for pair in correlation.modal(test, {}).pairs] == [1, 2, 3, 4]
+
+
+def test_of_an_article_that_is_asked_how_it_has_changed_a_tenth_of_its_tolerances_is_open_and_all_of_its_losses() -> None:
+    of = chain()
+    both = [{one.name: one.tolerance for one in each.parameters} for each in (of, replace(of, unchanged=True))]
+    assert both[1]["modulus:left"] == pytest.approx(0.1 * both[0]["modulus:left"])
+    assert both[1]["loss:left"] == both[0]["loss:left"] > 0
 
 
 def test_a_place_or_a_mode_that_the_model_has_not_is_refused_in_words() -> None:
