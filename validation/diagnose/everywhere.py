@@ -593,16 +593,16 @@ def with_twins(data: Study, at: Candidate, steps: Sequence[SearchStep]) -> tuple
             continue
         try:
             ready = data.ready_at([one.named.target, *places])
-            here = candidate_fit(rest, over(ready, data, there))
+            rest, there = (over(ready, data, each) for each in (rest, there))
         except CheckFailed:  # over their coordinates the model breaks down
             continue
         twins = [replace(one, named=replace(one.named, targets=(place, *one.named.targets[1:]))) for place in places]
-        enough = here.candidate.fit.cost + INDISTINGUISHABLE_NATS
-        fits = [candidate_fit(rest, fit_in_place(ready, here.candidate, rest, twin, worth=enough)) for twin in twins]
+        here, enough = candidate_fit(rest, there), there.fit.cost + INDISTINGUISHABLE_NATS
+        fits = [candidate_fit(rest, fit_in_place(ready, there, rest, twin, worth=enough)) for twin in twins]
         if alike := [each for each in fits if each.evidence > here.evidence - INDISTINGUISHABLE_NATS]:
             tried = tuple(ranked([here, *alike]))
             data, at = ready, tried[0].candidate
-            more.append(replace(step, tried=tried, added=tried[0].id, reconsidered=one.named.id))
+            more.append(replace(step, at=rest, tried=tried, added=tried[0].id, reconsidered=one.named.id))
     return data, at, tuple(more)
 
 

@@ -14,7 +14,7 @@ from fem.structure import Structure, place_rows
 from fem.user_model import reading
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
-from validation.diagnose import candidates, search
+from validation.diagnose import candidates, diagnose, search
 from validation.diagnose.diagnose import diagnosed
 from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.everywhere import MeshSearch, elsewhere, found_nodes, with_twins, without_a_name
@@ -273,6 +273,16 @@ def test_a_mass_at_a_node_and_at_its_mirror_image_is_one_name_where_no_sensor_pa
     mirror = f"point-mass:{at_position((0.3 - HIDDEN[0], 0.0, HIDDEN[2]))}"
     assert [one.same_as(brought.id) for one in more] == ([(mirror,)] if alike else [])
     assert data.problem(end.effects).parameters
+    # all are held against each other over the coordinates that the study has
+    assert all(one.at.problem.predictions[0].structure is data.tests[0].structure for one in more)
+    if alike:
+        found = diagnose.answer(data, end, [step, *more], quiet)
+        assert (found.verdict, set(found.equivalence_class)) == ("missing", {brought.id, mirror})
+        parting, *_ = found.advice
+        assert parting.test.partition(" along ")[2][:2] == "x,"
+        assert set(parting.separates) == {brought.id, mirror}
+        assert parting.gain > 20
+        assert found.accepted[0].note.startswith("an interval is that of one place; over all 2 ")
     assert (mirror.partition(":")[2] in data.model.looked_at) == alike
 
 
