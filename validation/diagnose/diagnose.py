@@ -101,7 +101,7 @@ def diagnosed(
         every, best = found_nodes(base)
         fitted: tuple[diagnosis.FoundNode, ...] = ()
         nodes = tuple(one for one in best if candidates.looked_for(one.named, only, leave_out))
-        if fit.converged and (fitted := without_a_name(right, base, nodes)):
+        if fitted := without_a_name(right, base, nodes):
             again = {one.kind for one in fitted}
             nodes = (*fitted, *(one for one in nodes if one.kind not in again))
             right = right.ready_at([one.named.target for one in fitted])

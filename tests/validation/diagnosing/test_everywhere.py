@@ -261,6 +261,25 @@ def test_beside_another_effect_a_spring_far_off_is_found_at_a_node_without_a_nam
     assert spring.targets[1] == "z"
 
 
+def test_nodes_without_a_name_are_fitted_where_the_model_as_it_is_does_not_converge(portal, tmp_path, monkeypatch):
+    """Of a spring on a rib of a softer plate three effects at places with a name were told from afar, in part."""
+    hidden, sensors = f"cable:{at_position(HIDDEN)}:z=3e5", "a:x a:y b:x b:y c:x c:y c:z"
+    study = tabled(portal(tmp_path, 10), portal(tmp_path / "fine", 30), hidden, sensors)
+    study._fits[:] = [replace(study.all_free(), converged=False)]
+    fitted: list = []
+
+    def told(*asked):
+        fitted.extend(without_a_name(*asked))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(diagnose, "without_a_name", told)
+    with pytest.raises(KeyboardInterrupt):
+        diagnose.diagnosed(study, leave_out=["accelerometer-gain"])
+    best = fitted[0].named
+    assert np.linalg.norm(np.array(position(best.target)) - HIDDEN) < 0.04
+    assert (best.family, best.targets[1]) == ("cable", "z")
+
+
 @pytest.mark.parametrize(("sensors", "alike"), [("c:y c:z", True), ("c:x c:y c:z", False)])
 def test_a_mass_at_a_node_and_at_its_mirror_image_is_one_name_where_no_sensor_parts_them(portal, tmp_path, sensors, alike):
     study = tabled(portal(tmp_path, 10), portal(tmp_path / "fine", 30), f"point-mass:{at_position(HIDDEN)}=0.03", sensors)
