@@ -33,6 +33,7 @@ from validation.model.setups import above_fmd
 from validation.prediction import structure_tests
 from validation.prediction.classical_facts import ArticleFact, facts, require_bodies
 from validation.prediction.series import SeriesPrediction, predictions
+from validation.prediction.structure import ReducedStructure
 from validation.prediction.structure_tests import StructurePrediction, Test
 
 TRUTH = ".truth.json"
@@ -366,11 +367,15 @@ class Study:
         ------
         BadInput, CheckFailed : outside the mesh of a structure.
         """
-        tests = structure_tests.ready_at(self.tests, positions, anew=anew)
+        ready = self.over(lambda of: of.at(positions, anew=anew))
         if not anew:
-            return replace(self, tests=tests)
+            return ready
         model = replace(self.model, looked_at=tuple(dict.fromkeys((*self.model.positions, *positions))))
-        return replace(self, model=model, tests=tests)
+        return replace(ready, model=model)
+
+    def over(self, reduced_anew: Callable[[ReducedStructure], ReducedStructure]) -> Self:
+        """The same with tests over other coordinates, as `reduced_anew` makes those of each structure."""
+        return replace(self, tests=structure_tests.over(self.tests, reduced_anew))
 
     def by(self, model: Model) -> Self:
         """The same data by a `model` of the same structure with other effects; spectra are not made again."""

@@ -23,7 +23,7 @@ from validation.diagnose.unexplained_fit import Answers, Swallowing, gain, swall
 from validation.effects import effect
 from validation.effects.catalogue import FAMILIES, Named, acts
 from validation.estimation.fit import BREAKDOWNS, FLOOR
-from validation.estimation.likelihood import cost_of
+from validation.estimation.likelihood import cost_of, tailed
 from validation.estimation.problem import EFFECT, FITTED, Fact, Offsets, Parameter, Prediction, Problem
 from validation.estimation.screening import POWER, MadeUp, ScoreTest, in_the_fit, screened
 from validation.history.add import names_of
@@ -136,12 +136,13 @@ def sizes(of: Parameter, octaves: Array = SIZE_OCTAVES) -> Array:
     """Offsets of `of` at which an effect is looked at, (n,), none outside its bounds; else half of these.
 
     Of a logarithm no two neighbours lie farther apart than a factor of two: a bearing of a twelfth of its stiffness moves
-    resonances to where one of a seventh or of a fiftieth has none.
+    resonances to where one of a seventh or of a fiftieth has none. Of what may break next to nothing is looked at, too.
     """
     steps = of.tolerance * np.exp2(octaves)
     if of.logarithmic and (far := np.diff(steps, prepend=0.0) > log(2)).any():
         near = steps[~far].max(initial=0.0)
-        steps = np.append(steps[~far], np.arange(near + log(2), min(steps[-1], max(-of.low, of.high)), log(2)))
+        end = max(-of.low, of.high)
+        steps = np.append(steps[~far], np.arange(near + log(2), end if tailed(of) else min(steps[-1], end), log(2)))
     both = np.concatenate([-steps[::-1], steps])
     inside = both[(both > of.low) & (both < of.high)]
     return inside if len(inside) else 0.5 * np.array([of.low, of.high])

@@ -24,7 +24,7 @@ from validation.diagnose.landmark_search import FromAfar, line_fit
 from validation.diagnose.mistakes import mistakes
 from validation.diagnose.next_test import advised
 from validation.diagnose.nonlinear import differing_levels, nonlinear
-from validation.diagnose.search import GoodnessOfFit, SearchStep, goodness_of_fit, placed_from_afar, stepwise_search
+from validation.diagnose.search import CandidateFit, GoodnessOfFit, SearchStep, goodness_of_fit, placed_from_afar, stepwise_search
 from validation.diagnose.unexplained import Explanation, described, unexplained
 from validation.effects import effect
 from validation.effects.catalogue import FAMILIES, code_of_families, parse
@@ -101,7 +101,7 @@ def diagnosed(
         every, best = found_nodes(base)
         fitted: tuple[diagnosis.FoundNode, ...] = ()
         nodes = tuple(one for one in best if candidates.looked_for(one.named, only, leave_out))
-        if fit.converged and (fitted := without_a_name(right, base, nodes)):
+        if fitted := without_a_name(right, base, nodes):
             again = {one.kind for one in fitted}
             nodes = (*fitted, *(one for one in nodes if one.kind not in again))
             right = right.ready_at([one.named.target for one in fitted])
@@ -187,17 +187,24 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
             evidence = found.fit.log_evidence - base.fit.log_evidence
         else:
             evidence = last[one.named.id].evidence if one.named.id in last else 0.0
-        accepted.append(replace(as_cause(one, found, evidence, stands), same=same[one.named.id]))
+        alike = last[one.named.id].indistinguishable if one.named.id in last else ()
+        cause = replace(as_cause(one, found, evidence, stands), same=same[one.named.id])
+        accepted.append(diagnosis.of_a_class(cause, _causes(alike) if len(alike) > 1 else ()))
     # Tests that would tell apart what is as good as the best; where nothing is, what the catalogue knows to confirm it
     advice = diagnosis.confirming(one.named for one in found.effects) if verdict in (diagnosis.MISSING, diagnosis.SEVERAL) else ()
     if verdict == diagnosis.AMBIGUOUS:
         swings = [one.id for one in best.indistinguishable if FAMILIES[one.family].side == effect.PENDULUM]
-        rivals = [one.candidate for one in best.indistinguishable[:RIVALS]]
+        rivals = [one.candidate for one in best.indistinguishable[: RIVALS if study.made else None]]
         if len(swings) > 1:  # a shaker tells nothing of ropes
             advice = pendulum.advised(study, best.at, swings)
         else:
             advice = advised(study, rivals, lambda share: progress("looking for the next measurement", share))
+    elif study.tests:  # places that are one name to the last digit, and those of one of several
+        classes = [last[one.named.id].indistinguishable for one in named if one.named.id in last]
+        parting = [advised(study, [each.candidate for each in one]) for one in classes if len(one) > 1]
+        advice = (*(one for some in parting for one in some if one.gain > 0), *advice)
     told = [] if found.fit.converged else ["the fit of what was found did not converge: its sizes are not the last word"]
+    told += search.left_of_reduction(study, found)
     for moved in tolerances(found.fit)[:1] if verdict == diagnosis.NOTHING else ():
         by_chance = max(found.fit.tolerances * erfc(abs(moved.z) / sqrt(2)), RAREST)
         if by_chance < CHANCE:
@@ -210,7 +217,7 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         verdict=verdict,
         text=text_of_unknown(found, best, left) if verdict == diagnosis.UNKNOWN else "",
         accepted=tuple(accepted),
-        ranking=_ranking(best),
+        ranking=_causes(best.tried),
         equivalence_class=indistinguishable_ids(named, steps),
         advice=advice,
         leftover=described(base) if verdict == diagnosis.UNKNOWN else None,
@@ -221,7 +228,7 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         steps=tuple(
             diagnosis.ReportedStep(
                 added=one.added,
-                ranking=_ranking(one),
+                ranking=_causes(one.tried),
                 misfit=one.goodness.misfit,
                 price=one.goodness.prior_penalty,
                 text=one.text,
@@ -358,7 +365,7 @@ def answer_from_afar(
             ),
         ),
         hold_out=before.held_out_names,
-        remarks=tuple(gains),
+        remarks=(*gains, *search.left_of_reduction(study, candidate)),
         settings={
             **settings(study),
             **search.SETTINGS,
@@ -415,8 +422,8 @@ def text_of_unknown(found: diagnosis.Candidate, best: SearchStep, left: Explanat
     return f"As the model is, {why}. With the closest, {closest.id}, {closest.goodness.text or too_little}"
 
 
-def _ranking(of: SearchStep) -> tuple[diagnosis.Cause, ...]:
-    return tuple(as_cause(one.added, one.candidate, one.evidence, one.goodness) for one in of.tried)
+def _causes(fits: Sequence[CandidateFit]) -> tuple[diagnosis.Cause, ...]:
+    return tuple(as_cause(one.added, one.candidate, one.evidence, one.goodness) for one in fits)
 
 
 def as_cause(added: Added, of: diagnosis.Candidate, evidence: float, stands: GoodnessOfFit) -> diagnosis.Cause:

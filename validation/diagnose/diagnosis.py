@@ -1,7 +1,7 @@
 """`Diagnosis`: the answer to "what is my model missing", with everything that it rests on."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf
 from types import MappingProxyType
 from typing import Any
@@ -673,6 +673,17 @@ def sized(of: Cause, size: EffectEstimate) -> str:
     if end := open_end(of, size):
         return f"{key}{end} {with_unit(low if end == AT_LEAST else high, unit)}"
     return f"{key}{with_unit(value, unit)} ({low} to {high})"
+
+
+def of_a_class(one: Cause, alike: Sequence[Cause]) -> Cause:
+    """`one` with a note of its size over all places of `alike`, which data cannot tell from its own: an interval is of one."""
+    sizes = [each.sizes[0] for each in alike if each.named.family == one.named.family and each.sizes]
+    if len(sizes) < 2:
+        return one
+    over = replace(one.sizes[0], low=min(each.low for each in sizes), high=max(each.high for each in sizes))
+    _, low, high, unit = interval(one, over)
+    said = f"an interval is that of one place; over all {len(sizes)} that they cannot tell apart it is {low} to {high}"
+    return replace(one, note=f"{said} {unit}".rstrip())
 
 
 AT_LEAST, AT_MOST = "at least", "at most"

@@ -492,7 +492,7 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
     seen = [one for one in nodes if _is_worth(one)]
     if not seen:
         return ()
-    found: dict[str, FoundNode] = {}
+    found, stood = dict[str, FoundNode](), dict[str, Candidate]()
     asked, tried = set[str](), list[CandidateFit]()
     # All tolerances where they are declared, and what the data then say of them to first order
     cost = cost_of(base.problem, base.fit.parameters, FLOOR, base.problem.start)
@@ -520,7 +520,7 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
             place = position(here.target) or one.position
             gain = most - base.fit.log_evidence - one.looked
             if kind not in found or gain > found[kind].evidence:
-                found[kind] = replace(one, named=fitted, position=place, evidence=gain)
+                found[kind], stood[kind] = replace(one, named=fitted, position=place, evidence=gain), there
             if kind == RESONATOR or not fitted.value or there.fit.cost > enough:
                 break
             about = MeshSearch.in_place_of(ready, there, base.fit.cost - there.fit.cost)
@@ -530,6 +530,11 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
             if moved == here.target:
                 break
             here = replace(here, targets=(moved, *here.targets[1:]), values={"": size})
+    for kind, one in found.items():
+        if one.named_place and not _is_worth(one):  # a place with a name was promised as much, and is fitted as the node was
+            named = replace(one.named, targets=(one.named_place, *one.named.targets[1:]))
+            there = fit_in_place(data, stood[kind], base, Added(named=named))
+            found[kind] = replace(one, named_evidence=there.fit.log_evidence - base.fit.log_evidence)
     return tuple(sorted((one for one in found.values() if _is_worth(one)), key=lambda one: -one.evidence))
 
 
@@ -593,16 +598,16 @@ def with_twins(data: Study, at: Candidate, steps: Sequence[SearchStep]) -> tuple
             continue
         try:
             ready = data.ready_at([one.named.target, *places])
-            here = candidate_fit(rest, over(ready, data, there))
+            rest, there = (over(ready, data, each) for each in (rest, there))
         except CheckFailed:  # over their coordinates the model breaks down
             continue
         twins = [replace(one, named=replace(one.named, targets=(place, *one.named.targets[1:]))) for place in places]
-        enough = here.candidate.fit.cost + INDISTINGUISHABLE_NATS
-        fits = [candidate_fit(rest, fit_in_place(ready, here.candidate, rest, twin, worth=enough)) for twin in twins]
+        here, enough = candidate_fit(rest, there), there.fit.cost + INDISTINGUISHABLE_NATS
+        fits = [candidate_fit(rest, fit_in_place(ready, there, rest, twin, worth=enough)) for twin in twins]
         if alike := [each for each in fits if each.evidence > here.evidence - INDISTINGUISHABLE_NATS]:
             tried = tuple(ranked([here, *alike]))
             data, at = ready, tried[0].candidate
-            more.append(replace(step, tried=tried, added=tried[0].id, reconsidered=one.named.id))
+            more.append(replace(step, at=rest, tried=tried, added=tried[0].id, reconsidered=one.named.id))
     return data, at, tuple(more)
 
 

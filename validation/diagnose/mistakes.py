@@ -753,7 +753,7 @@ def _shared_factor(y: ComplexArray, p: ComplexArray) -> ComplexArray:
         weight = np.abs(p[:, k]) > FAINT
         off = np.abs(y - ratio[:, None] * p) / np.maximum(np.abs(y) + np.abs(ratio[:, None] * p), TINY)
         costs.append(np.where(weight, np.sum(off**2 / (off**2 + DISTANT**2), axis=1), np.inf))
-        told.append(ratio)
+        told.append(np.where(np.abs(ratio) > TINY, ratio, 1.0))
     best = np.argmin(costs, axis=0)
     factor = np.array(told)[best, np.arange(len(y))]
     for _ in range(ROUNDS):  # again from all that are near, over all rows

@@ -4,26 +4,35 @@ Every test of the menu is forecast by a straight line, which takes a tenth of a 
 would, until enough of them keep what they promise.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fem.structure import at_freedoms
 from geometry.frames import Array
 from identification.self_calibration.solve import Normal, inverse, minimise, total
 from validation.diagnose import next_test_offers
 from validation.diagnose.candidates import candidates, is_resonator, with_candidates
 from validation.diagnose.diagnosis import Advice, Candidate
+from validation.diagnose.everywhere import ASKED
 from validation.diagnose.next_test_offers import knowledge, menu
+from validation.diagnose.reduction_errors import SAME_END
 from validation.effects.catalogue import FAMILIES
-from validation.effects.effect import INDISTINGUISHABLE_NATS
+from validation.effects.effect import INDISTINGUISHABLE_NATS, at_position
 from validation.estimation import likelihood
 from validation.estimation.fit import BREAKDOWNS, FLOOR
 from validation.estimation.likelihood import cost_of, root
 from validation.estimation.problem import EFFECT, FITTED, Fact, Parameter
 from validation.model.model import Added
+from validation.prediction import dynamic_mass
+from validation.prediction import effects as prediction_effects
 from validation.prediction.effects import name
+from validation.prediction.modal_table import SLOWEST, real_modes
+from validation.prediction.points import stated
+from validation.prediction.structure import ReducedStructure
+from validation.prediction.structure_tests import OnNodes
 from validation.study import Study
 
 # How many nats a test is expected to give for the right one of two explanations, in closed form.
@@ -367,6 +376,56 @@ class Forecast:
         return -len(self.apart), -min(self.gain, DECIDED), self.offer.hours, -self.gain
 
 
+# One more pick-up on a structure that is tested by itself: where explanations would have it read most differently.
+
+
+def pick_ups(rivals: Sequence[Candidate]) -> Iterator[Forecast]:
+    """By test of a structure the node and the axis at which one more pick-up tells most of `rivals` from the first.
+
+    Modes are held against each other in the scale of what is read already and with its sign, by its deviations; what tolerances
+    would take up of a difference is left in.
+    """
+    for every in zip(*map(_read, rivals), strict=True):
+        one = every[0][0]
+        square = np.square(one.measured.noise) + np.square(FLOOR * np.abs(one.measured.values))
+        deviation = np.sqrt(np.mean(square) / np.mean(np.abs(one.measured.values) ** 2))
+        (points, read, moved), *others = (_modes_at(of, *each) for of, each in zip(rivals, every, strict=True))
+        gains = []
+        for _, its, there in others:
+            count = min(len(read), len(its))
+            sign = np.where(np.sum(read[:count] * its[:count], axis=1) < 0, -1.0, 1.0)
+            away = moved[:count] - sign[:, None, None] * there[:count]
+            gains.append(0.5 * np.sum((away / deviation) ** 2, axis=0))
+        node, axis = np.unravel_index(np.argmax(np.sum(np.minimum(gains, DECIDED), axis=0)), gains[0].shape)
+        words = f"Add a pick-up at {at_position(points[node])} along {'xyz'[axis]}, and repeat {one.measured.name}"
+        offer = next_test_offers.OfferedTest(kind=f"pick-up of {one.measured.name}", words=words, hours=1.0)
+        yield Forecast(offer=offer, gains=tuple(float(gain[node, axis]) for gain in gains))
+
+
+def _read(of: Candidate) -> list[tuple[OnNodes, ReducedStructure]]:
+    """The predictions of a candidate of what pick-ups read on a structure by itself."""
+    some = ((one, one.structure.reduced) for one in of.problem.predictions if isinstance(one, OnNodes))
+    read = ((one, known) for one, known in some if [at.name for at in one.responses] == [*one.measured.channels])
+    return [(one, known) for one, known in read if known is not None]
+
+
+def _modes_at(of: Candidate, one: OnNodes, reduced: ReducedStructure) -> tuple[Array, Array, Array]:
+    """(q, 3) [m] nodes spread over the structure that `one` predicts, and what its modes in the band move the pick-ups (m, c) and
+    these nodes (m, q, 3), of the root mean square 1 of what is read."""
+    known = {**of.problem.start, **of.fit.by_name}
+    effects = tuple(replace(each, fixed=True) for each in prediction_effects.at(one.effects, known))
+    modes = real_modes(dynamic_mass.structure(one.structure, known, effects, derivatives=False)[0])
+    elastic = np.flatnonzero(modes.frequency > SLOWEST * reduced.frequency[0])
+    shapes = modes.shapes[:, elastic[: max(int(np.sum(reduced.frequency <= SAME_END * reduced.band)), 1)]]
+    read = (stated(modes.matrices, one.responses) @ shapes).T
+    scale = np.sqrt(np.mean(read**2, axis=1, keepdims=True))
+    scale = np.maximum(scale, FLOOR * scale.max())
+    points, moved = reduced.nodes()
+    some = np.unique(np.linspace(0, len(points) - 1, ASKED).astype(np.int64))
+    rows = at_freedoms(reduced.basis, moved[some])
+    return points[some], read / scale, np.moveaxis(rows @ shapes[: rows.shape[2]], -1, 0) / scale[:, :, None]
+
+
 def advised(data: Study, rivals: Sequence[Candidate], progress: Progress | None = None) -> tuple[Advice, ...]:
     """Tests that would tell `rivals` apart, the best first.
 
@@ -401,6 +460,8 @@ def advised(data: Study, rivals: Sequence[Candidate], progress: Progress | None 
         with suppress(*BREAKDOWNS):  # of a model in this test
             looked.append(Forecast(offer=offer, gains=told(offer, first, others)))
         tell(LOOKING * (k + 1) / len(offers))
+    with suppress(*BREAKDOWNS):
+        looked += pick_ups(rivals) if len(rivals) > 1 else ()
     useful = _kept(sorted(looked, key=lambda one: one.rank), first, others, lambda share: tell(LOOKING + (1 - LOOKING) * share))
     found = tuple(
         Advice(

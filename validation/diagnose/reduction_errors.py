@@ -16,7 +16,7 @@ from fem.structure import Sparse, Structure, hold
 from geometry.dynamic_mass import MOTIONS
 from geometry.frames import Array
 from validation.diagnose.candidates import baseline, candidates, detectable, screen
-from validation.effects.catalogue import FAMILIES, Named
+from validation.effects.catalogue import FAMILIES, Named, acts, there
 from validation.effects.effect import OPENED
 from validation.effects.stages import ALONG
 from validation.model.model import Added
@@ -34,6 +34,9 @@ MULTIPLE = 5.0
 
 BAR = 1e-3
 """[share] of what an effect changes that the reduction may be off. By definition."""
+
+SAME_END = 1.01
+"""[factor] up to which a mode belongs to a band: it may end at a measured one. By definition."""
 
 LARGEST = 20_000
 """[count] of degrees of freedom up to which this is measured: two whole solutions an effect. By definition."""
@@ -115,7 +118,7 @@ def reduction_errors(study: Study) -> tuple[ReductionErrors, ...]:
     for name, of in small.items():
         reduced = of.reduced
         assert reduced is not None
-        count = max(int(np.sum(reduced.frequency <= 1.01 * reduced.band)), 1)  # a band may end at a measured mode
+        count = max(int(np.sum(reduced.frequency <= SAME_END * reduced.band)), 1)
         effects = [one for named, size in limits.items() for one in _sized(named, MULTIPLE * size)]
         errors = sorted(_errors(of, reduced, effects, count), key=lambda one: -one.error)
         n, k = reduced.basis.shape
@@ -172,13 +175,29 @@ FAMILIES_MOVING = ("modulus", "support-stiffness", "mass", "thickness", "point-m
 """Families that are put into whole structures here; losses move no frequency."""
 
 
+def swinging_with(reduced: ReducedStructure, effects: Iterable[Added]) -> ReducedStructure:
+    """`reduced` whose coordinates hold how the whole structure swings with those of `effects` that change its matrices; itself
+    where none does.
+
+    Raises
+    ------
+    CheckFailed : as `ReducedStructure.swinging_as`.
+    """
+    whole, has = reduced.structure, there("article", reduced.matrices)
+    for one in effects:
+        if one.named.family in FAMILIES_MOVING and "every" not in one.named.targets and acts(one.named, has):
+            K, M = _changed(whole, one.named)
+            whole = replace(whole, stiffness=K, mass=M)
+    return reduced if whole is reduced.structure else reduced.swinging_as(whole.stiffness, whole.mass)
+
+
 def _changed(structure: Structure, named: Named) -> tuple[Sparse, Sparse]:
     """K and M of a whole structure with an effect."""
     from scipy.sparse import csr_array
 
     K, M, value, what = structure.stiffness, structure.mass, named.value, named.targets[0]
     if named.family in ("modulus", "support-stiffness"):
-        K = K + (value - (named.family == "support-stiffness")) * structure.part_stiffness[what]
+        K = K + (value - (named.family == "support-stiffness")) * reduction.parts_of(structure)[what]
     elif named.family == "thickness":
         linear, cubed = structure.sections[what]
         K = K + value * linear + ((1 + value) ** 3 - 1) * cubed

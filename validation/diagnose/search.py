@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf, log, sqrt
 from types import MappingProxyType
 
@@ -30,6 +31,7 @@ from validation.diagnose.candidates import (
 )
 from validation.diagnose.diagnosis import SIGNIFICANT, Candidate, FoundNode, Screened
 from validation.diagnose.landmark_search import DistantView, FromAfar
+from validation.diagnose.reduction_errors import swinging_with
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, STRUCTURE, evidence_threshold, position
 from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, SINGLE_PLACES, STRIDE, child, nearby, start
@@ -249,11 +251,13 @@ def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: 
             break
         least = cost
         progress(f"trying {added.named.id} from afar", 0.9)
-        effects = (*at.effects, added)
-        problem = data.problem(effects)
+        effects, ready = (*at.effects, added), data
+        with suppress(CheckFailed):  # where part of it swings freely it is asked on the coordinates that there are
+            ready = data.over(partial(swinging_with, effects=effects))
+        problem = ready.problem(effects)
         whole = child(problem, FITTED, at.fit, _declared(problem, at.fit) | begin, from_afar=True)
         if whole.converged:
-            tried.append(candidate_fit(at, recentred(data, Candidate(effects=effects, fit=whole, problem=problem))))
+            tried.append(candidate_fit(at, recentred(ready, Candidate(effects=effects, fit=whole, problem=problem))))
     tried, here = ranked(tried), goodness_of_fit(at.fit, at.problem)
     best = tried[0].id if tried and is_accepted(tried[0]) else ""
     return SearchStep(at=at, goodness=here, screened=screen(data, at, menu), tried=tuple(tried), added=best)
@@ -657,16 +661,19 @@ def stepwise_search(
         rounds.append(one)
         if not one.added:
             break
-        found = one.tried[0].candidate
-        if elsewhere and not one.tried[0].goodness.null:  # of the best few that which is best once all stand at their places
-            ends = []
-            for each in filter(is_accepted, one.tried[:FEW]):
-                others = (other for other in one.tried if other is not each)
-                led = [*rounds[:-1], replace(one, tried=(each, *others), added=each.id)]
-                ready, end, asked = backward_elimination(data, each.candidate, led, progress, elsewhere, by_name=False)
+        found, ends = one.tried[0].candidate, []
+        few = one.tried[:FEW] if elsewhere and not one.tried[0].goodness.null else ()
+        for each in filter(is_accepted, few):  # of the best few that which is best once all stand at their places
+            led = [*rounds[:-1], replace(one, tried=(each, *(other for other in one.tried if other is not each)), added=each.id)]
+            with suppress(CheckFailed):  # at the place of one the model may break down
+                ready, end = reduced_anew(data, each.candidate)
+                ready, end, asked = backward_elimination(ready, end, led, progress, elsewhere, by_name=False)
                 ends.append((end.fit.log_evidence - over(ready, data, at).fit.log_evidence, led, ready, end, asked))
+        if ends:
             _, led, data, found, asked = max(ends, key=lambda one: one[0])
             rounds = [*led, *asked]
+        else:
+            data, found = reduced_anew(data, found)
         if goodness_of_fit(found.fit, found.problem).largest >= ABSURD:
             home = candidate_fit(found, restarted_from_priors(data, found))
             found = home.candidate if home.evidence > 0 and in_band(data, home) else found
@@ -676,6 +683,49 @@ def stepwise_search(
         if not null and explained < GOOD_PART * one.goodness.excess(one.at.fit):
             break  # nothing known is most of what is wrong: the rest would be named one by one, and none of it is there
     return *_finished(data, at), tuple(rounds)
+
+
+TOLD = 0.5
+"""[nats] of all data by which what the coordinates of a structure say is told from what the whole structure does: one standard
+deviation. By definition."""
+
+
+def reduction_error(data: Study, at: Candidate) -> tuple[Study, float]:
+    """`data` over coordinates that hold how the whole structures swing with the effects of `at`, and how much worse or better
+    they explain the data [nats] than those that there are say.
+
+    Raises
+    ------
+    CheckFailed : as `swinging_with`.
+    """
+    ready = data.over(partial(swinging_with, effects=at.effects))
+    costs = (cost_of(one.problem(at.effects), at.fit.parameters, FLOOR, at.fit.by_name) for one in (data, ready))
+    try:
+        before, after = (one.misfit(one.at(at.fit.by_name)) for one in costs)
+    except BREAKDOWNS:  # where tolerances stand the structure has no stiffness left along what is new
+        return ready, inf
+    return ready, abs(after - before)
+
+
+def reduced_anew(data: Study, at: Candidate) -> tuple[Study, Candidate]:
+    """`at`, fitted on over coordinates of its own where data tell what those that there are err by, and the study with these."""
+    with suppress(CheckFailed):  # where part of it swings freely, or the model breaks down there: what is left of it is said
+        for _ in range(MOVES if data.tests and at.effects else 0):
+            ready, error = reduction_error(data, at)
+            if error < TOLD:
+                break
+            data, at = ready, over(ready, data, at)
+    return data, at
+
+
+def left_of_reduction(data: Study, at: Candidate) -> list[str]:
+    """A sentence where data tell what the coordinates of `at` err by, or nobody knows it."""
+    try:
+        error = reduction_error(data, at)[1] if data.tests and at.effects else 0.0
+    except CheckFailed as failed:
+        return [f"how far the reduced structure is off with {' and '.join(_ids(at))} is not known: {failed}"]
+    said = f"the structure as it was reduced is {nats(error)} nats off what the whole one does with {' and '.join(_ids(at))}"
+    return [f"{said}: sizes are not the last word"] if error >= TOLD else []
 
 
 def _finished(data: Study, at: Candidate) -> tuple[Study, Candidate]:
@@ -688,7 +738,7 @@ def _finished(data: Study, at: Candidate) -> tuple[Study, Candidate]:
         if at.effects:
             whole = nearby(at.problem, FITTED, at.fit.by_name)
             at = recentred(data, replace(at, fit=whole)) if whole.cost <= at.fit.cost + SAME_NATS else at
-    return data, at
+    return reduced_anew(data, at)
 
 
 def placed_from_afar(

@@ -15,7 +15,6 @@ import numpy as np
 
 from fem.damping import ASSUMED_WITHIN, DEFAULT_RATIO
 from geometry.dynamic_mass import MOTIONS, ComplexArray
-from geometry.errors import CheckFailed
 from geometry.frames import Array, Integers
 from validation.effects.catalogue import FAMILIES, Named, There, acts, there
 from validation.effects.effect import BODY_STAGE, CHANNEL_STAGE, OPENED, STRUCTURE_STAGE, Family, SizeSpec
@@ -288,16 +287,8 @@ class Nuisances:
     unchanged: bool = False
     last: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
-    def at_positions(self, positions: Sequence[str], *, anew: bool = True) -> "Nuisances":
-        """The same made ready for effects at further `positions`, which are written as coordinates; `anew` as there.
-
-        Raises
-        ------
-        BadInput, CheckFailed : outside the mesh, or no structure is known.
-        """
-        if self.reduced is None:
-            raise CheckFailed("Nothing is known of this structure but its reduced matrices: name a place.")
-        made = self.reduced.at(positions, anew=anew)
+    def over(self, made: ReducedStructure) -> "Nuisances":
+        """The same where its structure is reduced to other coordinates."""
         return replace(self, nominal=made.matrices, frequency=made.frequency[: len(self.frequency)], reduced=made)
 
     @cached_property

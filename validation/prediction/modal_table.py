@@ -26,7 +26,7 @@ import numpy as np
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
-from geometry.sensors import Tolerances
+from geometry.sensors import Point, Tolerances
 from identification.modal_table import SOUND_SHAPE, ModalTable, paired
 from validation.effects.catalogue import FAMILIES, There
 from validation.effects.effect import CHANNEL_STAGE, STRUCTURE_STAGE
@@ -270,6 +270,11 @@ class _TablePart(ABC):
         if self.modes != tuple(range(len(every))):
             every, moved = tuple(every[k] for k in self.modes), {name: one.on(self.modes) for name, one in moved.items()}
         return modes, every, moved, effects
+
+    @property
+    def responses(self) -> tuple[Point, ...]:
+        """Where it is read."""
+        return self.table.sensors
 
     @property
     def there(self) -> There:

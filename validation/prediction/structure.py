@@ -221,7 +221,7 @@ def _basis(structure: Structure, free: HeldBase, modes: Modes, loads: Array, row
     if exactly:
         return bent_far(structure, free, shapes, modes.frequency, rows, band)
     swinging = modes.shapes[free.free][:, modes.frequency <= band]
-    pulls = [restricted(K, free.free) @ swinging for K in _parts(structure).values()]
+    pulls = [restricted(K, free.free) @ swinging for K in parts_of(structure).values()]
     heavy = HEAVY * np.trace(structure.rigid_mass[:3, :3]) / 3 * (2 * np.pi * band) ** 2
     pulls += [heavy * row.T @ (row @ swinging) for row in rows.values()]
     # Those combinations (f, m) of `forces` whose static answers `shapes` do not nearly hold already
@@ -274,7 +274,7 @@ def _on_shapes(
         viscous=viscous,
         structural=structural,
         places={name: row @ shapes for name, row in rows.items()},
-        parts=each(_held(_parts(structure), shapes.shape[1]), on_shapes),
+        parts=each(_held(parts_of(structure), shapes.shape[1]), on_shapes),
         part_mass=each(_held(structure.part_mass, shapes.shape[1]), on_shapes),
         supports=structure.supports,
         joints={
@@ -312,7 +312,7 @@ def _unresolved(elements: Carrier, whole: Array, squares: Array) -> Mapping[str,
     return _by_sheet(elements.unresolved(whole, squares))
 
 
-def _parts(structure: Structure) -> dict[str, Sparse]:
+def parts_of(structure: Structure) -> dict[str, Sparse]:
     """Stiffness of every part by the words of the effects."""
     return _by_sheet(structure.part_stiffness)
 
@@ -464,7 +464,7 @@ def bent_far(
         common = grown(common, new(common, np.asarray(factor.solve(row.T * top * np.sqrt(HEAVIEST * mass)))))
     answers = common[:, first:]  # of places, to which a change of a part answers again: most of what is read where little moves
     wholes = [(common.T @ (one @ common), one) for one in (free.stiffness, free.mass)]
-    parts, none = _parts(structure), csr_array(free.stiffness.shape)
+    parts, none = parts_of(structure), csr_array(free.stiffness.shape)
 
     def answered(name: str) -> Array:
         """Answers (f, c) to all that may become of a part, beside modes and places."""
@@ -601,6 +601,7 @@ class ReducedStructure:
     frequency : (m,) [Hz] of the elastic modes, the first coordinates; behind them rigid motions, if it floats, and static answers
     losses : loss factor by part; none where damping is given by mode
     basis : (N, k) displacement of all degrees of freedom for each coordinate
+    swings : (N, m) what is held beside what `by_itself` makes; see `swinging_as`
     """
 
     structure: Structure
@@ -610,6 +611,7 @@ class ReducedStructure:
     frequency: Array
     losses: Mapping[str, float]
     basis: Array
+    swings: Array | None = None
 
     def at(self, positions: Sequence[str], *, anew: bool = True) -> "ReducedStructure":
         """The same made ready for effects at further `positions`, which are written as coordinates.
@@ -625,16 +627,46 @@ class ReducedStructure:
         """
         whole = with_positions(self.structure, positions)
         if anew:
-            return by_itself(whole, self.band, damping=self.damping)
+            made = by_itself(whole, self.band, damping=self.damping)
+            return made if self.swings is None else replace(made._beside(whole, self.swings), swings=self.swings)
         if whole is self.structure:
             return self
+        free = hold(whole)
+        soft = 0.1 * (2 * np.pi * self.frequency[0]) ** 2 if self.matrices.rigid.any() else 0.0
+        rows = _displacement(whole, free, NOWHERE, None)
+        loads = np.vstack([row for name, row in rows.items() if name not in self.structure.places]).T
+        static = factorise((free.stiffness + soft * free.mass).tocsc(), definite=True).solve(loads)
+        return self._beside(whole, free.expand(np.asarray(static)))
+
+    def swinging_as(self, stiffness: Sparse, mass: Sparse) -> "ReducedStructure":
+        """The same whose coordinates hold, too, how the structure swings up to the end of the band and gives at its places with
+        these matrices instead of its own: whatever changed that far is then what it is to the whole structure.
+
+        Raises
+        ------
+        CheckFailed : part of it swings freely, or as `fem.modes.lowest`.
+        """
+        free = hold(replace(self.structure, stiffness=stiffness.tocsr(), mass=mass.tocsr()))
+        shift = floating_shift(free.stiffness, free.mass) if self.structure.floating else 0.0
+        count, most = min(FIRST_ASKED, self.basis.shape[1]), min(self.basis.shape[1], len(free.free))
+        while (pairs := lowest(free.stiffness, free.mass, count, shift=shift)).values[-1] < (REACH * 2 * np.pi * self.band) ** 2:
+            if count >= most:
+                break
+            count = min(2 * count, most)
+        rows = _displacement(self.structure, free, NOWHERE, None)
+        A = (free.stiffness - shift * free.mass).tocsc()
+        gives = factorise(A, definite=True).solve(np.vstack([np.zeros((0, len(free.free))), *rows.values()]).T)
+        both = np.hstack([each / np.sqrt(np.sum(each * (A @ each), axis=0) + LEAST) for each in (pairs.vectors, gives)])
+        more = free.expand(both) if self.swings is None else np.hstack([self.swings, free.expand(both)])
+        return replace(self._beside(self.structure, free.expand(both)), swings=more)
+
+    def _beside(self, whole: Structure, more: Array) -> "ReducedStructure":
+        """`whole`, which is the structure with any places, on the coordinates that there are and what is new of `more` (N, c)."""
         free, of = hold(whole), self.matrices
         shapes, top = self.basis[free.free], 2 * np.pi * self.band
         soft = 0.1 * (2 * np.pi * self.frequency[0]) ** 2 if of.rigid.any() else 0.0
         A = free.stiffness + soft * free.mass
-        rows = _displacement(whole, free, NOWHERE, None)
-        loads = np.vstack([row for name, row in rows.items() if name not in self.structure.places]).T
-        static = factorise(A.tocsc(), definite=True).solve(loads)
+        static = more[free.free]
         own, whole_energy = shapes.T @ (A @ shapes), np.sum(static * (A @ static), axis=0).max(initial=LEAST)
         for _ in range(2):  # once more, for what rounding leaves of it
             static = static - shapes @ np.linalg.solve(own, shapes.T @ (A @ static))
@@ -643,7 +675,9 @@ class ReducedStructure:
         more = top * static @ (directions[:, kept] / np.sqrt(energy[kept]))
         basis, grown = np.hstack([shapes, more]), (0, more.shape[1])
         moves, coarse = np.pad(of.rigid, ((0, 0), grown)), each(of.unresolved, lambda share: np.pad(share, grown))
-        return _on_basis(whole, self.band, self.damping, free, basis, rows, self.frequency, moves, of.cog, coarse)
+        rows = _displacement(whole, free, NOWHERE, None)
+        made = _on_basis(whole, self.band, self.damping, free, basis, rows, self.frequency, moves, of.cog, coarse)
+        return replace(made, swings=self.swings)
 
     def nodes(self) -> tuple[Array, Integers]:
         """(p, 3) [m] nodes that move, and (p, 3) the rows of `basis` by which they do, -1 where they are held."""

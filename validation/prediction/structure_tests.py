@@ -20,6 +20,7 @@ from validation.model.model import Added, Model
 from validation.prediction import effects, modal_table, response_functions
 from validation.prediction import structure as reduction
 from validation.prediction.dynamic_mass import AttachedResponse, Finite
+from validation.prediction.structure import ReducedStructure
 
 Test = ModalTable | ResponseFunctions
 
@@ -55,6 +56,10 @@ class OnNodes(StructurePrediction, Protocol):
     @property
     def structure(self) -> effects.Nuisances:
         """What was tested, before any effect."""
+
+    @property
+    def responses(self) -> tuple[Point, ...]:
+        """Where it is read."""
 
     def by(self, structure: effects.Nuisances) -> Self:
         """The same data by another model of the structure."""
@@ -166,23 +171,16 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
     )
 
 
-def ready_at(
-    tests: Sequence[StructurePrediction], positions: Sequence[str], *, anew: bool = True
+def over(
+    tests: Sequence[StructurePrediction], reduced_anew: Callable[[ReducedStructure], ReducedStructure]
 ) -> tuple[StructurePrediction, ...]:
-    """`tests` by the same models, made ready for effects at `positions`, which are written as coordinates; `anew` as in
-    `ReducedStructure.at`.
-
-    Raises
-    ------
-    BadInput, CheckFailed : outside the mesh.
-    """
+    """`tests` by the same models over other coordinates, as `reduced_anew` makes those of each structure."""
     made: dict[int, effects.Nuisances] = {}
     found: list[StructurePrediction] = []
     for one in tests:
         if isinstance(one, OnNodes) and one.structure.reduced is not None:
-            of = one.structure
-            known = made.get(id(of)) or made.setdefault(id(of), of.at_positions(positions, anew=anew))
-            found.append(one.by(known))
+            of, known = one.structure, one.structure.reduced
+            found.append(one.by(made.get(id(of)) or made.setdefault(id(of), of.over(reduced_anew(known)))))
         else:
             found.append(one)
     return tuple(found)

@@ -14,7 +14,7 @@ from fem.structure import Structure, place_rows
 from fem.user_model import reading
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
-from validation.diagnose import candidates, search
+from validation.diagnose import candidates, diagnose, everywhere, search
 from validation.diagnose.diagnose import diagnosed
 from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.everywhere import MeshSearch, elsewhere, found_nodes, with_twins, without_a_name
@@ -261,6 +261,38 @@ def test_beside_another_effect_a_spring_far_off_is_found_at_a_node_without_a_nam
     assert spring.targets[1] == "z"
 
 
+def test_nodes_without_a_name_are_fitted_where_the_model_as_it_is_does_not_converge(portal, tmp_path, monkeypatch):
+    """Of a spring on a rib of a softer plate three effects at places with a name were told from afar, in part."""
+    hidden, sensors = f"cable:{at_position(HIDDEN)}:z=3e5", "a:x a:y b:x b:y c:x c:y c:z"
+    study = tabled(portal(tmp_path, 10), portal(tmp_path / "fine", 30), hidden, sensors)
+    study._fits[:] = [replace(study.all_free(), converged=False)]
+    fitted: list = []
+
+    def told(*asked):
+        fitted.extend(without_a_name(*asked))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(diagnose, "without_a_name", told)
+    with pytest.raises(KeyboardInterrupt):
+        diagnose.diagnosed(study, leave_out=["accelerometer-gain"])
+    best = fitted[0].named
+    assert np.linalg.norm(np.array(position(best.target)) - HIDDEN) < 0.04
+    assert (best.family, best.targets[1]) == ("cable", "z")
+
+
+def test_a_fitted_node_is_held_against_a_fitted_name_and_not_against_its_promise(portal, tmp_path, monkeypatch):
+    """Far off both promise too much: 1.3 kg at their node, 5872 nats, were dropped for what a sensor's place had promised."""
+    place, sensors = at_position(HIDDEN), "a:x a:y b:x b:y c:x c:y c:z"
+    study = tabled(portal(tmp_path, 10), portal(tmp_path / "fine", 30), f"point-mass:{place}=0.03", sensors)
+    base = candidates.baseline(study)
+    best = next(one for one in found_nodes(base)[1] if one.kind == "point-mass")
+    far = replace(best, evidence=best.evidence + 1e4, named_evidence=best.evidence + 1e4 - 10.0, named_place="c")
+    monkeypatch.setattr(everywhere, "found_nodes", lambda of: ((), (far,)))
+    (found,) = without_a_name(study, base, [far])
+    assert np.linalg.norm(np.array(position(found.named.target)) - HIDDEN) < 0.04
+    assert 0 < found.named_evidence < found.evidence - 10.0
+
+
 @pytest.mark.parametrize(("sensors", "alike"), [("c:y c:z", True), ("c:x c:y c:z", False)])
 def test_a_mass_at_a_node_and_at_its_mirror_image_is_one_name_where_no_sensor_parts_them(portal, tmp_path, sensors, alike):
     study = tabled(portal(tmp_path, 10), portal(tmp_path / "fine", 30), f"point-mass:{at_position(HIDDEN)}=0.03", sensors)
@@ -273,6 +305,16 @@ def test_a_mass_at_a_node_and_at_its_mirror_image_is_one_name_where_no_sensor_pa
     mirror = f"point-mass:{at_position((0.3 - HIDDEN[0], 0.0, HIDDEN[2]))}"
     assert [one.same_as(brought.id) for one in more] == ([(mirror,)] if alike else [])
     assert data.problem(end.effects).parameters
+    # all are held against each other over the coordinates that the study has
+    assert all(one.at.problem.predictions[0].structure is data.tests[0].structure for one in more)
+    if alike:
+        found = diagnose.answer(data, end, [step, *more], quiet)
+        assert (found.verdict, set(found.equivalence_class)) == ("missing", {brought.id, mirror})
+        parting, *_ = found.advice
+        assert parting.test.partition(" along ")[2][:2] == "x,"
+        assert set(parting.separates) == {brought.id, mirror}
+        assert parting.gain > 20
+        assert found.accepted[0].note.startswith("an interval is that of one place; over all 2 ")
     assert (mirror.partition(":")[2] in data.model.looked_at) == alike
 
 
