@@ -445,7 +445,7 @@ def described(path: Path, units: str | None = None) -> tuple[str, tuple[str, ...
     mesh = files.read(path, lambda card: True)
     try:
         deck = _abaqus(path, mesh) if mesh.coordinates is None else _nastran(path, mesh, mesh.coordinates)
-    except (ValueError, IndexError, KeyError, OverflowError) as error:
+    except (ValueError, IndexError, KeyError, ArithmeticError) as error:
         problem = f"a record of it cannot be read: {type(error).__name__}, {error}"
         raise BadInput(source=str(path), problem=problem, remedy="Check the deck; it may be cut short or damaged") from None
     deck.settle()

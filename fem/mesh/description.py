@@ -28,6 +28,7 @@ _KEYS = (
 _PART = ("material", "thickness", "section", "layers", "x_axis", "offset", "loss_factor", "tolerance")
 _PLY = ("density", "youngs_modulus", "poisson_ratio", "shear_modulus")
 _TIED = ("stiffness", "loss_factor")
+_LINK = ("at", "nodes", "directions", "mean_of", "weights", "rotations")
 _OPEN = ("Iyz", "neutral_axis", "shear")
 """What a section with an area, Iy, Iz and J may have beside."""
 
@@ -331,9 +332,8 @@ class _Table:
     def layers(self) -> tuple[shells.Laminate, float, Material]:
         """The laminate, its thickness [m], and the one material that it is most like."""
         listed = self.table["layers"]
-        for key in ("material", "thickness"):
-            if key in self.table:
-                raise self.wrong(key, "left out beside `layers`", "State it of each layer")
+        for key in {"material", "thickness"} & set(self.table):
+            raise self.wrong(key, "left out beside `layers`", "State it of each layer")
         if not isinstance(listed, list) or not listed or not all(isinstance(one, dict) for one in listed):
             raise self.wrong("layers", "a list of layers", 'Write [{ material = "aluminium", thickness = "1 mm", angle = 0 }]')
         where = f"{self.where}.layers"
@@ -343,10 +343,9 @@ class _Table:
             raise self.wrong("layers", "stiff in their plane, one of them at least", "State the faces")
         offset = self.quantity("offset", "length", positive=False) if "offset" in self.table else 0.0
         made, thickness = shells.Laminate.of(several, offset), float(sum(one.thickness for one in several))
-        A, B = made.membrane[0, 0] * made.membrane[1, 1], made.membrane[0, 1]
-        E, nu = (A - B**2) / np.sqrt(A) / thickness, min(B / np.sqrt(A), 0.49)
-        rho = made.masses[0] / thickness
-        return made, thickness, Material(name=where, density=rho, youngs_modulus=float(E), poisson_ratio=float(nu))
+        A, rho = float(np.sqrt(made.membrane[0, 0] * made.membrane[1, 1])), made.masses[0] / thickness
+        nu = min(float(made.membrane[0, 1]) / A, 0.49)
+        return made, thickness, Material(name=where, density=rho, youngs_modulus=A * (1 - nu**2) / thickness, poisson_ratio=nu)
 
     def layer(self) -> shells.Layer:
         angle, value = self.table.get("angle", 0.0), self.table.get("material")
@@ -369,13 +368,9 @@ class _Table:
             of = self.material()
             E, mu = moduli(of)
             plane, across, density = shells.plane_stress(E, E / (2 * mu) - 1), [mu, mu], of.density
-        return shells.Layer(
-            plane=plane,
-            across=np.array(across or [np.inf, np.inf]),
-            angle=float(np.radians(angle)),
-            thickness=self.quantity("thickness", "length"),
-            density=density,
-        )
+        stiff, turn = np.array(across or [np.inf, np.inf]), float(np.radians(angle))
+        thickness = self.quantity("thickness", "length")
+        return shells.Layer(plane=plane, across=stiff, angle=turn, thickness=thickness, density=density)
 
     def direction(self, key: str) -> Array | None:
         if key not in self.table:
@@ -482,21 +477,13 @@ class _Table:
         for other in ("nodes", "directions"):
             if key == "mean_of" and other in self.table:
                 raise self.wrong(other, "left out beside `mean_of`", "Nodes ride on a link, or it follows their mean motion")
-            if key == "nodes" and {"weights", "rotations"} & set(self.table):
-                raise self.wrong("weights", "left out but beside `mean_of`", "What rides on a link has no weight")
-        nodes, weights, rotations = self.nodes(key), self.table.get("weights", []), self.table.get("rotations", False)
-        if not isinstance(weights, list) or not all(isinstance(one, int | float) and one > 0 for one in weights):
-            raise self.wrong("weights", "a list of positive numbers", "Write one for each entry of `mean_of`")
-        if weights and len(weights) != len(nodes):
-            raise self.wrong("weights", f"{len(nodes)} numbers, one for each entry of `mean_of`", "Write one for each")
-        return Link(
-            at=at,
-            nodes=nodes,
-            directions=self.directions(),
-            follows=key == "mean_of",
-            weights=tuple(weights),
-            rotations=rotations is True,
-        )
+        nodes, weights, turning = self.nodes(key), self.table.get("weights", []), self.table.get("rotations", False)
+        counted = isinstance(weights, list) and all(isinstance(one, int | float) and one > 0 for one in weights)
+        if not counted or len(weights) not in (0, len(nodes)) or (key == "nodes" and (weights or turning)):
+            which = "weights" if weights else "rotations"
+            raise self.wrong(which, f"{len(nodes)} positive numbers beside `mean_of`", "Write one for each of its entries")
+        ways, several = self.directions(), tuple(weights)
+        return Link(at=at, nodes=nodes, directions=ways, follows=key == "mean_of", weights=several, rotations=turning is True)
 
     def nodes(self, key: str = "nodes") -> tuple[int | str, ...]:
         nodes = self.table.get(key)
@@ -607,10 +594,7 @@ def read(path: Path) -> MeshDescription:
         springs=springs,
         joints={name: each.joint() for name, each in table.tables("joints", ("between", "at", *_TIED)).items()},
         masses={name: each.mass() for name, each in table.tables("masses", ("at", "mass", "cog", "moments")).items()},
-        links={
-            name: each.link()
-            for name, each in table.tables("links", ("at", "nodes", "directions", "mean_of", "weights", "rotations")).items()
-        },
+        links={name: each.link() for name, each in table.tables("links", _LINK).items()},
         holds=holds,
         stated=_Table(source=source, where="stated", table=whole.get("stated", {})).stated(),
     )

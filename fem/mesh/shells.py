@@ -110,12 +110,13 @@ _BENT = np.array([[6 * node + dof for dof in (2, 3, 4)] for node in range(3)]).r
 def _laid(corners: Array, along: Array | None = None) -> tuple[Array, Array]:
     """Axes (c, 3, 3) of triangles (c, 3, 3), in rows, the third upright on them, and their corners (c, 3, 2) along two.
 
-    The first is `along` (c, 3), as far as it is in the plane, or the first side.
+    The first is `along` (c, 3), as far as it is in the plane, or the first side where it is not at all.
     """
     first = corners[:, 1] - corners[:, 0]
     normal = np.cross(first, corners[:, 2] - corners[:, 0])
     if along is not None:
-        first = along - np.sum(along * normal, axis=1, keepdims=True) * normal / np.sum(normal**2, axis=1, keepdims=True)
+        level = along - np.sum(along * normal, axis=1, keepdims=True) * normal / np.sum(normal**2, axis=1, keepdims=True)
+        first = np.where(np.abs(level).max(axis=1, keepdims=True) > 1e-9 * np.abs(along).max(), level, first)
     x, z = (vector / np.linalg.norm(vector, axis=1, keepdims=True) for vector in (first, normal))
     R = np.stack([x, np.cross(z, x), z], axis=1)
     return R, np.einsum("cij,ckj->cki", R[:, :2], corners - corners[:, :1])

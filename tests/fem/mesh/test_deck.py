@@ -746,3 +746,16 @@ def test_a_base_carries_no_node_that_rides_on_a_link_in_any_direction(tmp_path: 
     (tmp_path / "one.toml").write_text(written.replace("[fe_model]\n", more).partition('[fe_model.links."clamp"]')[0])
     with pytest.raises(BadInput, match="node 3 rides on a link"):
         model.load(tmp_path / "one.toml")
+
+
+@pytest.mark.parametrize("more", ["weights = [1]", "weights = [1, -1]", 'weights = "all"', "nodes", "rotations"])
+def test_weights_are_one_for_each_node_that_is_followed(more: str, tmp_path: Path) -> None:
+    (tmp_path / "one.bdf").write_text("\n".join([*PLATE, "ENDDATA", ""]))
+    own = {"nodes": "nodes = [3, 4], weights = [1, 2]", "rotations": "nodes = [3, 4], rotations = true"}
+    link = own.get(more, f"mean_of = [3, 4], {more}")
+    text = deck.described(tmp_path / "one.bdf")[0].replace(
+        "[fe_model]\n", f'[fe_model]\nlinks.b = {{ at = ["0 m", "0 m", "1 m"], {link} }}\n'
+    )
+    (tmp_path / "one.toml").write_text(text)
+    with pytest.raises(BadInput, match=r"2 positive numbers beside `mean_of`"):
+        model.load(tmp_path / "one.toml")
