@@ -431,6 +431,9 @@ def draw_left(found: results.Diagnosis, bench: Study, folder: Path, progress: Ca
 RANKED = 8
 """Causes that the page shows; JSON has all."""
 
+NO_EVIDENCE = ("+0.0", "-0.0")
+"""[nats] as they are printed."""
+
 IN_NATS = (
     "Evidence: how much more probable the data are with it than without it, as the natural logarithm of the odds (nats): 3 is "
     "20 to 1, 8 is 3000 to 1."
@@ -728,7 +731,7 @@ class DiagnosisPage:
             return ("explains less" if found.accepted else "too little") if one.null else "misfit or prior penalty stays too high"
 
         return doc.Table(
-            rows=self.found.ranking[:RANKED],
+            rows=self._telling[:RANKED],
             columns=(
                 doc.Column("tried", lambda one: one.id, words=True),
                 doc.Column("size", size),
@@ -739,6 +742,11 @@ class DiagnosisPage:
             ),
             on=doc.TERMINAL,
         )
+
+    @property
+    def _telling(self) -> list[results.Cause]:
+        """What was tried and says something: where a fit leaves all as it was it has no size worth a line."""
+        return [one for one in self.found.ranking if nats(one.evidence) not in NO_EVIDENCE]
 
     def steps(self) -> doc.Grid:
         """How it was found."""
@@ -762,8 +770,8 @@ class DiagnosisPage:
             "Prior penalty: sum of z² of all tolerances over what is due in a sound laboratory. Chi² alone says little: "
             "tolerances that a fit moves far enough swallow nearly any fault."
         )
-        if len(self.found.ranking) > RANKED:
-            yield f"{len(self.found.ranking) - RANKED} more effects were tried and explain less; --json has all of them."
+        if len(self._telling) > RANKED:
+            yield f"{len(self._telling) - RANKED} more effects were tried and explain less; --json has all of them."
         if self.found.known_better:
             more = len(self.found.known_better) - CALIBRATIONS
             words = f"; --json has {more} more" if more > 0 else ""

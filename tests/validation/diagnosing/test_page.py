@@ -132,6 +132,15 @@ def test_what_an_earlier_round_fitted_is_not_said_to_be_unfitted(made):
     assert "was not fitted" in unfitted[1]
 
 
+def test_what_a_fit_leaves_as_it_was_has_no_line_among_what_was_tried(made):
+    of = made("missing")
+    places = ("flange", "hub-1", "hub-2", "hub-3", "hub-4", "mast-top", "top", "top-1", "top-2")
+    idle = [replace(of.ranking[0], named=parse(f"point-mass:{place}=1"), evidence=0.01) for place in places]
+    shown = report_diagnose.DiagnosisPage(found=replace(of, ranking=(*of.ranking, *idle)))
+    assert [row.id for row in shown.ranking().rows] == [one.id for one in of.ranking]
+    assert not any("more effects were tried" in note for note in shown.notes())
+
+
 @pytest.mark.parametrize(("verdict", "told"), [("nonlinear", False), ("mistake", False), ("missing", True)])
 def test_evidence_gained_is_told_of_fits_only(verdict, told, made):
     errors = report_diagnose.DiagnosisPage(found=made(verdict)).errors()
