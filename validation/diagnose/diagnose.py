@@ -29,6 +29,7 @@ from validation.diagnose.unexplained import Explanation, described, unexplained
 from validation.effects import effect
 from validation.effects.catalogue import FAMILIES, code_of_families, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS
+from validation.effects.practical_units import written_as
 from validation.estimation.evaluate import evaluate, folds
 from validation.estimation.fit import COARSE, FLOOR, PLAIN_FLOOR, nearby, unfitted
 from validation.estimation.likelihood import ends_of
@@ -208,9 +209,10 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
     for moved in tolerances(found.fit)[:1] if verdict == diagnosis.NOTHING else ():
         by_chance = max(found.fit.tolerances * erfc(abs(moved.z) / sqrt(2)), RAREST)
         if by_chance < CHANCE:
+            (by,), unit = written_as(moved.parameter.unit, (moved.moved,))
             told.append(
-                f"{moved.parameter.name} pays {with_unit(f'{moved.offset:+.3g}', moved.parameter.unit)}, {abs(moved.z):.1f} "
-                f"standard deviations, which is too little for a name; of {found.fit.tolerances} tolerances chance moves one as "
+                f"the fit moved {moved.parameter.name} by {with_unit(by, unit)}, {abs(moved.z):.1f} standard deviations of what was "
+                f"known, which is too little for a name; of {found.fit.tolerances} tolerances chance moves one as "
                 f"far in 1 of {1 / by_chance:.0f} tests: measure it again"
             )
     return diagnosis.Diagnosis(

@@ -95,6 +95,11 @@ class Tolerance:
     offset: float = entry("offset_si")
 
     @property
+    def moved(self) -> float:
+        """How far from nominal, of a factor by what share."""
+        return float(np.expm1(self.offset)) if self.parameter.logarithmic else self.offset
+
+    @property
     @derived("tolerance_si")
     def prior(self) -> float:
         """Standard deviation of what was known beforehand."""

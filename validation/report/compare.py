@@ -255,8 +255,7 @@ class ComparisonPage:
 
 def moved(one: Tolerance) -> tuple[str, str]:
     """By how much a fit moved a tolerance, and the unit: of a factor by what share."""
-    offset = float(np.expm1(one.offset)) if one.parameter.logarithmic else one.offset
-    (text,), unit = written_as(one.parameter.unit, (offset,))
+    (text,), unit = written_as(one.parameter.unit, (one.moved,))
     return text.replace("-", "−"), unit
 
 
