@@ -403,10 +403,10 @@ def pick_ups(rivals: Sequence[Candidate]) -> Iterator[Forecast]:
 
 
 def _read(of: Candidate) -> list[tuple[OnNodes, ReducedStructure]]:
-    """The predictions of a candidate of what pick-ups read on a structure by itself."""
+    """The predictions of a candidate of what pick-ups read on a structure by itself, of which nodes are known."""
     some = ((one, one.structure.reduced) for one in of.problem.predictions if isinstance(one, OnNodes))
     read = ((one, known) for one, known in some if [at.name for at in one.responses] == [*one.measured.channels])
-    return [(one, known) for one, known in read if known is not None]
+    return [(one, known) for one, known in read if known is not None and len(known.nodes()[0])]
 
 
 def _modes_at(of: Candidate, one: OnNodes, reduced: ReducedStructure) -> tuple[Array, Array, Array]:
