@@ -211,8 +211,8 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         if by_chance < CHANCE:
             (by,), unit = written_as(moved.parameter.unit, (moved.moved,))
             told.append(
-                f"the fit moved {moved.parameter.name} by {with_unit(by, unit)}, {abs(moved.z):.1f} standard deviations of what was "
-                f"known, which is too little for a name; of {found.fit.tolerances} tolerances chance moves one as "
+                f"the fit moved {moved.parameter.name} by {with_unit(by, unit)}, {abs(moved.z):.1f} standard deviations of what "
+                f"was known, which is too little for a name; of {found.fit.tolerances} tolerances chance moves one as "
                 f"far in 1 of {1 / by_chance:.0f} tests: measure it again"
             )
     return diagnosis.Diagnosis(
