@@ -265,7 +265,7 @@ def test_a_sound_satellite_comes_out_as_sound(study: Path, run: Callable[..., An
 def test_what_was_hidden_in_it_is_named_alone_with_its_size(
     study: Path, run: Callable[..., Any], name: str, of: dict[str, Any], expected: str, size: float
 ) -> None:
-    """Sizes are the truth, but for the gain that the cell has anyway. 80 g are said to sit where the accelerometer of the mast does."""
+    """Sizes are the truth, but for the gain that the cell has anyway. 80 g sit where an accelerometer of the mast does."""
     (one,) = found(study, run, name, **of)["accepted"]
     assert one["id"] == expected
     if size:
