@@ -44,9 +44,9 @@ of springs that no straight line tells, their limits and open intervals, 165; a 
 by which a fit of response functions costs half of what it did, 130. Links between parts as joints that give are 80, rounded
 up for what comes beside them. Rods, holds and links in some directions, names that a deck's comments give, clamps of decks
 that may give and faults that leave next to nothing are 350, and bearings far off and evidence told to its end the last. What
-decks of aircraft and spacecraft hold - beams beside their nodes, hinges, layers with coupling and shear, weighted means - is 560; what has
-changed since an earlier test 100, what is found held against the whole structure, and the pick-up that parts places, 190, and
-bodies by name, losses that nobody states and places of sensors on a base the last.
+decks of aircraft and spacecraft hold - beams beside their nodes, hinges, layers with coupling and shear, weighted means - is 560;
+what has changed since an earlier test 100, what is found held against the whole structure, and the pick-up that parts places,
+190, and bodies by name, losses that nobody states and places of sensors on a base the last.
 The other bars are the same for old and new.
 """
 
