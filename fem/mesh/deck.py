@@ -714,8 +714,11 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
                     if named:
                         deck.lose(name, f"the orientation {angle[0]} of a layer")
                     layers.append((of.upper(), real(thickness), 0.0 if named else real(angle[0])))
+                layers += layers[::-1] if "SYMMETRIC" in o else []
             elif off or o.get("MATERIAL") in fibres:
                 layers = [(o["MATERIAL"], real(first[0]), 0.0)]
+            if "NODAL THICKNESS" in o:
+                deck.lose(name, "thicknesses at its nodes")
             whole = sum(one for _, one, _ in layers)
             of, oriented[group] = layers[0][0] if layers else o["MATERIAL"], o.get("ORIENTATION", "")
             deck.properties[group] = Property(
@@ -723,8 +726,10 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
             )
         elif keyword == "ORIENTATION":
             turns = real(rows[1][1]) if len(rows) > 1 and len(rows[1]) > 1 else 0.0
-            ways[o["NAME"]] = tuple(real(text) for text in first[:3]), turns
-            if o.get("SYSTEM", "RECTANGULAR") != "RECTANGULAR" or (turns and rows[1][0] != "3"):
+            points = np.array([real(text) for text in [*first, *9 * [""]][:9]]).reshape(3, 3)  # on its axes, and where they begin
+            ways[o["NAME"]] = tuple((points[0] - points[2]).tolist()), turns
+            plain = (o.get("SYSTEM", "RECTANGULAR"), o.get("DEFINITION", "COORDINATES")) == ("RECTANGULAR", "COORDINATES")
+            if not plain or (rows[1:] and rows[1][0] != "3"):
                 deck.lose(name, "axes that are not of one rectangular system, turned about its third")
         elif keyword == "BEAM SECTION":
             deck.beam_section(name, group, o, rows)
@@ -753,6 +758,8 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
     for group, name in oriented.items():
         along, turns = ways.get(name, ((1.0, 0.0, 0.0), 0.0))
         one = deck.properties[group]
+        if name and name not in ways and one.layers:
+            deck.lose(f"*SHELL SECTION of {group}", f"no orientation {name} is there")
         layers = [(of, thickness, angle + turns) for of, thickness, angle in one.layers]
         deck.properties[group] = replace(one, layers=tuple(layers), x_axis=along if layers else ())
     if open_step:

@@ -83,16 +83,21 @@ class Block:
         return np.asarray(points[self.nodes[some]] + (0.0 if self.offsets is None else self.offsets[some]))
 
     def fibres(self, points: Array, x_axis: Array | None) -> Array:
-        """The first axis (c, 3) of its layers: the part's, or that which the element states, or its first side where neither is
-        or where it is upright."""
+        """The first axis (c, 3) of its layers: the part's, or that which the element states, or its first side where neither is.
+
+        Where that is upright the z of the frame, as in Abaqus, or the x where that is upright, too.
+        """
         corners = self.corners(points)
         side, other = (corners[:, k] - corners[:, 0] for k in (1, 2))
         stated = self.axes if x_axis is None else x_axis[None]
         if stated is None:
             return side
-        across = np.cross(stated, normal := np.cross(side, other))
-        lies = np.linalg.norm(across, axis=1) > UPRIGHT * np.linalg.norm(stated, axis=1) * np.linalg.norm(normal, axis=1)
-        return np.where(lies[:, None], stated, side)  # NaN is not above either
+        found, normal = side, np.cross(side, other)
+        for one in (np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 1.0]]), stated):
+            across = np.linalg.norm(np.cross(one, normal), axis=1)
+            lies = across > UPRIGHT * np.linalg.norm(one, axis=1) * np.linalg.norm(normal, axis=1)
+            found = np.where(lies[:, None], one, found)
+        return np.where(np.isfinite(stated).all(axis=1)[:, None], found, side)
 
     def beam_axes(self, k: int, points: Array, table: PartTable) -> Array:
         """`beam_axes` of its beam `k`: the part's go before those that the element states.

@@ -259,6 +259,65 @@ def test_layers_of_abaqus_are_those_of_nastran(section: str, prop: str, quad: st
     np.testing.assert_allclose(hertz(model.load(tmp_path / "two.toml")[1]), wanted, rtol=1e-6)
 
 
+CROSS = f", TYPE=LAMINA\n{E1}, {E2}, {NU}, {G12}, {G13}, {G23}"
+ONE = "*SHELL SECTION, ELSET=P, COMPOSITE\n1., 3, M, 0."
+
+
+def of_abaqus(text: str, folder: Path, *lost: str) -> np.ndarray:
+    (folder / "two.inp").write_text(text)
+    written, said = deck.described(folder / "two.inp", "mm-t-N-s")
+    assert said == lost
+    (folder / "two.toml").write_text(written)
+    return hertz(model.load(folder / "two.toml")[1])
+
+
+def test_fibres_of_a_wall_across_x_are_along_z(tmp_path: Path) -> None:
+    """Of Abaqus without an orientation: along x, and along z where x is upright on the shell; its length is along y here."""
+    text = re.sub(r"^(\d+),([\d.]+),([\d.]+),0\.$", r"\1, 0., \2, \3", abaqus(ONE, CROSS, RHO), flags=re.MULTILINE)
+    assert "\n1, 0., 0.0, 0.0\n" in text
+    wanted = hertz(described([CARBON, comp((1.0, 90.0)), *clamped(6, 4), *rectangle(120.0, 80.0, 6, 4)], tmp_path))
+    np.testing.assert_allclose(of_abaqus(text, tmp_path), wanted, rtol=1e-6)
+
+
+def test_layers_of_abaqus_that_are_symmetric_are_there_twice(tmp_path: Path) -> None:
+    half = "*SHELL SECTION, ELSET=P, COMPOSITE, SYMMETRIC\n1., 3, M, 0.\n.5, 3, M, 90."
+    whole = comp((1.0, 0.0), (0.5, 90.0), (0.5, 90.0), (1.0, 0.0))
+    wanted = hertz(described([CARBON, whole, *clamped(6, 4), *rectangle(120.0, 80.0, 6, 4)], tmp_path))
+    np.testing.assert_allclose(of_abaqus(abaqus(half, CROSS, RHO), tmp_path), wanted, rtol=1e-6)
+
+
+def test_fibres_turn_with_the_instance_that_they_are_of(tmp_path: Path) -> None:
+    """Two plates with fibres of one name each, turned by a quarter and by 30 degrees: each frequency is there twice."""
+    flat = abaqus("", "", 1.0).split("*MATERIAL")[0]
+    foot = f"*NSET, NSET=FOOT\n{', '.join(map(str, edge(6, 4, 0)))}\n"
+    ways = ("*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n3, 0.", "*ORIENTATION, NAME=O\n0., 1., 5., 1., 0., 5., 0., 0., 5.")
+    section = "\n*SHELL SECTION, ELSET=P, COMPOSITE, ORIENTATION=O\n1., 3, M, {}.\n"
+    text = "".join(
+        f"*PART, NAME=P{k}\n{flat}{foot}{way}{section.format(angle)}*END PART\n"
+        for k, (way, angle) in enumerate(zip(ways, (0, -90), strict=True))
+    )
+    text += "*ASSEMBLY, NAME=A\n*INSTANCE, NAME=I, PART=P0\n900., 0., 0.\n0., 0., 0., 0., 0., 1., 90.\n*END INSTANCE\n"
+    text += f"*INSTANCE, NAME=J, PART=P1\n0., 0., 0.\n0., 0., 0., 0., 0., 1., 30.\n*END INSTANCE\n*END ASSEMBLY\n*MATERIAL, NAME=M\n*ELASTIC{CROSS}\n*DENSITY\n{RHO}\n"
+    found = of_abaqus(f"{text}*BOUNDARY\nI.FOOT, 1, 6\nJ.FOOT, 1, 6\n", tmp_path)
+    wanted = hertz(described([CARBON, comp((1.0, 0.0)), *clamped(6, 4), *rectangle(120.0, 80.0, 6, 4)], tmp_path))
+    np.testing.assert_allclose(found, np.repeat(wanted, 2)[: len(found)], rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("head", "lost"),
+    [
+        ("*ORIENTATION, NAME=O, DEFINITION=NODES\n1, 2, 8", "*ORIENTATION O: axes that are not of one rectangular system"),
+        ("*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n1, 0.", "*ORIENTATION O: axes that are not of one rectangular system"),
+        ("", "*SHELL SECTION of P: no orientation O is there"),
+    ],
+)
+def test_an_orientation_that_is_not_read_is_said(head: str, lost: str, tmp_path: Path) -> None:
+    section = "*SHELL SECTION, ELSET=P, COMPOSITE, ORIENTATION=O\n1., 3, M, 0."
+    (tmp_path / "two.inp").write_text(abaqus(section, CROSS, RHO, head))
+    (said,) = deck.described(tmp_path / "two.inp", "mm-t-N-s")[1]
+    assert said.startswith(lost)
+
+
 def test_an_axis_that_is_upright_on_a_shell_says_nothing_of_it(tmp_path: Path) -> None:
     upright = "*ORIENTATION, NAME=O\n0., 0., 1., 1., 0., 0."
     (tmp_path / "two.inp").write_text(
