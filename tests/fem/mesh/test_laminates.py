@@ -297,7 +297,8 @@ def test_fibres_turn_with_the_instance_that_they_are_of(tmp_path: Path) -> None:
         for k, (way, angle) in enumerate(zip(ways, (0, -90), strict=True))
     )
     text += "*ASSEMBLY, NAME=A\n*INSTANCE, NAME=I, PART=P0\n900., 0., 0.\n0., 0., 0., 0., 0., 1., 90.\n*END INSTANCE\n"
-    text += f"*INSTANCE, NAME=J, PART=P1\n0., 0., 0.\n0., 0., 0., 0., 0., 1., 30.\n*END INSTANCE\n*END ASSEMBLY\n*MATERIAL, NAME=M\n*ELASTIC{CROSS}\n*DENSITY\n{RHO}\n"
+    text += "*INSTANCE, NAME=J, PART=P1\n0., 0., 0.\n0., 0., 0., 0., 0., 1., 30.\n*END INSTANCE\n*END ASSEMBLY\n"
+    text += f"*MATERIAL, NAME=M\n*ELASTIC{CROSS}\n*DENSITY\n{RHO}\n"
     found = of_abaqus(f"{text}*BOUNDARY\nI.FOOT, 1, 6\nJ.FOOT, 1, 6\n", tmp_path)
     wanted = hertz(described([CARBON, comp((1.0, 0.0)), *clamped(6, 4), *rectangle(120.0, 80.0, 6, 4)], tmp_path))
     np.testing.assert_allclose(found, np.repeat(wanted, 2)[: len(found)], rtol=1e-6)
