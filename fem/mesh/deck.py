@@ -195,8 +195,8 @@ class Deck:
             several, weights = [*several, *nodes], [*weights, *len(nodes) * [weight]]
             freedoms.add("".join(sorted(components)))
         known = freedoms in ({"123"}, {"123456"}) and set(f[3]) >= TRANSLATIONS
-        if not known or min(weights) <= 0:
-            self.lose(name, "freedoms other than 123 or 123456, or UM")
+        if not known or min(weights, default=0.0) <= 0:
+            self.lose(name, "freedoms other than 123 or 123456, UM, or a weight that is not positive")
             return
         self.means[name] = int(f[2]), several
         self.weights[name] = [one / max(weights) for one in weights] if len(set(weights)) > 1 else [], freedoms == {"123456"}

@@ -94,9 +94,8 @@ class Block:
             return side
         found, normal = side, np.cross(side, other)
         for one in (np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 1.0]]), stated):
-            across = np.linalg.norm(np.cross(one, normal), axis=1)
-            lies = across > UPRIGHT * np.linalg.norm(one, axis=1) * np.linalg.norm(normal, axis=1)
-            found = np.where(lies[:, None], one, found)
+            across, *both = (np.linalg.norm(each, axis=1)[:, None] for each in (np.cross(one, normal), one, normal))
+            found = np.where(across > UPRIGHT * both[0] * both[1], one, found)
         return np.where(np.isfinite(stated).all(axis=1)[:, None], found, side)
 
     def beam_axes(self, k: int, points: Array, table: PartTable) -> Array:
@@ -567,7 +566,7 @@ def beam_axes(corners: Array, z_axis: Array | None) -> Array:
         wanted = np.array([0.0, 0.0, 1.0]) if abs(along[2]) < 0.99 else np.array([1.0, 0.0, 0.0])
     z = wanted - along * (along @ wanted)
     length = np.linalg.norm(z)
-    if length < 1e-6 * np.linalg.norm(wanted):
+    if not length > 1e-6 * np.linalg.norm(wanted):  # along it, or nowhere
         raise ValueError("`z_axis` must not lie along the beam")
     z = z / length
     return np.array([along, np.cross(z, along), z])

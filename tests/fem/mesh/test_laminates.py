@@ -206,6 +206,8 @@ def test_a_shell_that_bends_otherwise_than_its_thickness_says_is_a_sandwich(tmp_
         (("poisson_ratio = 0.3", "poisson_ratio = 9"), "Poisson's ratio of strain across"),
         (("layers =", "x_axis = [0, 0]\nlayers ="), "three numbers that are a direction"),
         (("angle = 0", "turned = 0"), "unknown"),
+        (("angle = 0", "angle = nan"), "a number of degrees"),
+        (("poisson_ratio = 0.3", "poisson_ratio = nan"), "Poisson's ratio of strain across"),
     ],
 )
 def test_layers_that_are_none_are_refused(change: tuple[str, str], words: str, tmp_path: Path) -> None:
@@ -214,6 +216,28 @@ def test_layers_that_are_none_are_refused(change: tuple[str, str], words: str, t
     assert change[0] in text
     (tmp_path / "one.toml").write_text(text.replace(*change, 1))
     with pytest.raises(BadInput, match=words):
+        model.load(tmp_path / "one.toml")
+
+
+def test_layers_that_do_not_resist_shear_in_their_plane_are_refused_and_crossed_ones_without_stiffness_across_are_not(
+    tmp_path: Path,
+) -> None:
+    """G12 of a MAT8 is zero where the card leaves it out; fibres alone, along and across, are a net."""
+    plate = [*clamped(6, 4), *rectangle(120.0, 80.0, 6, 4)]
+    with pytest.raises(BadInput, match="stiff in their plane along it, across it and in shear"):
+        described([f"MAT8,2,{E1},{E2},{NU},,,,{RHO}", comp((1.0, 0.0), (1.0, 90.0)), *plate], tmp_path)
+    net = described([f"MAT8,2,{E1},0.,0.,{G12},,,{RHO}", comp((1.0, 0.0), (1.0, 90.0), (1.0, 0.0)), *plate], tmp_path)
+    assert hertz(net)[0] > 0
+
+
+@pytest.mark.parametrize("beside", ['offset = "5 mm"', "x_axis = [1, 0, 0]"])
+def test_what_is_of_layers_is_refused_where_there_are_none(beside: str, tmp_path: Path) -> None:
+    plate = [f"MAT1,1,{E1},,.3,{RHO}", "PSHELL,1,1,2.,1,,1", *clamped(6, 4), *rectangle(120.0, 80.0, 6, 4)]
+    described(plate, tmp_path)
+    text = (tmp_path / "one.toml").read_text()
+    assert "thickness =" in text
+    (tmp_path / "one.toml").write_text(text.replace("thickness =", f"{beside}\nthickness =", 1))
+    with pytest.raises(BadInput, match="left out where there are no `layers`"):
         model.load(tmp_path / "one.toml")
 
 
