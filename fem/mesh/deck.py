@@ -574,9 +574,12 @@ def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck
             bending == f[1] and ratio > 1 + ALIKE and t > 0 and not layers
         ):  # faces apart, as 12 I / t³ says, on a core that shears
             apart = t / 2 * float(np.sqrt((4 * ratio - 1) / 3))
-            G = soft.modulus / (2 + 2 * soft.poisson_ratio) if soft and not soft.shear else 0.0
-            G *= real(f[6] or ".833333") * t * (apart - t / 2) / apart**2
-            core, stiff = f"core of PSHELL {number}", (0.0, G, G) if G else (0.0,)
+            alike = soft.modulus / (2 + 2 * soft.poisson_ratio) if soft and not soft.shear else 0.0
+            across = soft.shear[1:] if soft and soft.shear else (alike, alike)
+            stiff = tuple(G * real(f[6] or ".833333") * t * (apart - t / 2) / apart**2 for G in across)
+            core, stiff = f"core of PSHELL {number}", (0.0, *(stiff if all(stiff) else ()))
+            if f[5] and not soft:
+                deck.lose(f"PSHELL {number}", f"no material {f[5]} of its core is known here")
             deck.materials[core] = Elastic(modulus=0.0, poisson_ratio=0.0, density=0.0, shear=stiff)
             layers = ((f[1], t / 2, 0.0), (core, apart - t / 2, 0.0), (f[1], t / 2, 0.0))
         elif bending != f[1] or abs(ratio - 1) > ALIKE:

@@ -96,7 +96,7 @@ class Block:
         for one in (np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 1.0]]), stated):
             across, *both = (np.linalg.norm(each, axis=1)[:, None] for each in (np.cross(one, normal), one, normal))
             found = np.where(across > UPRIGHT * both[0] * both[1], one, found)
-        return np.where(np.isfinite(stated).all(axis=1)[:, None], found, side)
+        return np.where(np.isfinite(stated).all(axis=1, keepdims=True), found, side)
 
     def beam_axes(self, k: int, points: Array, table: PartTable) -> Array:
         """`beam_axes` of its beam `k`: the part's go before those that the element states.

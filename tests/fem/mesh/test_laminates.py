@@ -186,6 +186,19 @@ def test_layers_grow_with_their_thickness_and_all_with_the_modulus(tmp_path: Pat
     assert abs(double.stiffness - 2 * K).max() < 1e-12 * abs(K).max()
 
 
+def test_the_core_of_a_sandwich_shears_by_either_of_its_moduli(tmp_path: Path) -> None:
+    """A MAT8 in place of a MAT1 alike, and none that is not there."""
+    E, G, plate = 210e3, 80.0, [*clamped(6, 4), *rectangle(120.0, 80.0, 6, 4)]
+    faces, shell = f"MAT1,1,{E},,.3,7.85-9", "PSHELL,1,1,1.,1,30.,3,5."
+    wanted = hertz(described([faces, f"MAT1,3,{2.6 * G},,.3,1.-12", shell, *plate], tmp_path))
+    stiff = hertz(described([faces, "PSHELL,1,1,1.,1,30.", *plate], tmp_path))
+    assert stiff[0] > 1.1 * wanted[0]
+    found = hertz(described([faces, f"MAT8,3,1.,1.,.3,1.,{G},{G},1.-12", shell, *plate], tmp_path))
+    np.testing.assert_allclose(found, wanted, rtol=1e-6)
+    (tmp_path / "one.bdf").write_text("\n".join([faces, shell, *plate, "ENDDATA", ""]))
+    assert deck.described(tmp_path / "one.bdf", "mm-t-N-s")[1] == ("PSHELL 1: no material 3 of its core is known here",)
+
+
 def test_a_shell_that_bends_otherwise_than_its_thickness_says_is_a_sandwich(tmp_path: Path) -> None:
     """12 I / t³ and ts / t of faces of 0.6 mm on a core of 12 mm, as spacecraft panels are written; the same as layers."""
     t, h, G = 0.6, 12.0, 150.0
