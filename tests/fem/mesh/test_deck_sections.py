@@ -128,6 +128,12 @@ def test_a_bar_of_no_direction_is_refused_unless_its_part_has_one(card: str, tmp
     np.testing.assert_allclose(frequencies(made), frequencies(full), rtol=1e-9)
 
 
+@pytest.mark.parametrize("offt", ["GG", "XYZ"])
+def test_axes_of_offsets_that_are_none_are_refused(offt: str, tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match=f"OFFT of beam 1 is {offt}"):
+        loaded([*cantilever(OFF.format(offt=offt, x=0.0, z=APART)), section(2, FLANGE)], tmp_path)
+
+
 def test_what_is_of_a_section_with_moments_is_refused_of_others(tmp_path: Path) -> None:
     loaded([*cantilever("CBAR,{n},1,{a},{b},0.,0.,1."), "PBARL,1,1,,BAR\n,10.,40."], tmp_path)
     text = (tmp_path / "one.toml").read_text()
