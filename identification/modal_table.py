@@ -184,7 +184,8 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     kept = [k - 1 for k in numbers if k not in left_out]
     stated = tuple(str(one) for one in table.get("modes", ()))
     called = stated if len(stated) == len(frequency) else tuple(f"mode {k}" for k in numbers)
-    before = _before(table, source, folder, frequency, points, shapes)[kept] if "before" in table else None
+    own = None if shapes is None else shapes[kept]
+    before = _before(table, source, folder, frequency[kept], points, own) if "before" in table else None
     gain = table.get("gain", 0.02)
     if isinstance(gain, bool) or not isinstance(gain, int | float) or not 0 <= gain < 10:
         raise BadInput(source=source, field="gain", problem=f"must be a share such as 0.02, found {gain!r}", remedy="Correct it")
@@ -197,7 +198,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
         damping_ratio=columns["damping"][kept] if "damping" in columns else None,
         damping_deviation=columns["damping_deviation"][kept] if "damping" in columns else None,
         sensors=points,
-        shapes=None if shapes is None else shapes[kept],
+        shapes=own,
         shapes_deviation=None if deviation is None else deviation[kept],
         gain=float(gain),
         before=before,
@@ -211,7 +212,10 @@ def _before(
 ) -> Array:
     """(m, 2) frequencies of the modes of `table` in the earlier state that it names, and their deviations."""
     path = toml_file.named_file(str(table["before"]), folder, source, "before")
-    earlier, article = of_table({"article": table["article"], **toml_file.read(path)}, str(path), path.parent), table["article"]
+    if path.resolve() == Path(source).resolve():
+        raise BadInput(source=source, field="before", problem="names its own table", remedy="Name an earlier test")
+    known, article = {"article": table["article"], **toml_file.read(path)}, table["article"]
+    earlier = of_table({key: value for key, value in known.items() if key != "before"}, str(path), path.parent)
     alike = earlier.sensors == points
     of = paired(frequency, earlier.frequency, shapes if alike else None, earlier.shapes if alike else None)
     if earlier.article != str(article) or -1 in of:

@@ -195,8 +195,8 @@ class Deck:
             several, weights = [*several, *nodes], [*weights, *len(nodes) * [weight]]
             freedoms.add("".join(sorted(components)))
         known = freedoms in ({"123"}, {"123456"}) and set(f[3]) >= TRANSLATIONS
-        if not known or min(weights) <= 0:
-            self.lose(name, "freedoms other than 123 or 123456, or UM")
+        if not known or min(weights, default=0.0) <= 0:
+            self.lose(name, "freedoms other than 123 or 123456, UM, or a weight that is not positive")
             return
         self.means[name] = int(f[2]), several
         self.weights[name] = [one / max(weights) for one in weights] if len(set(weights)) > 1 else [], freedoms == {"123456"}
@@ -574,9 +574,12 @@ def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck
             bending == f[1] and ratio > 1 + ALIKE and t > 0 and not layers
         ):  # faces apart, as 12 I / t³ says, on a core that shears
             apart = t / 2 * float(np.sqrt((4 * ratio - 1) / 3))
-            G = soft.modulus / (2 + 2 * soft.poisson_ratio) if soft and not soft.shear else 0.0
-            G *= real(f[6] or ".833333") * t * (apart - t / 2) / apart**2
-            core, stiff = f"core of PSHELL {number}", (0.0, G, G) if G else (0.0,)
+            alike = soft.modulus / (2 + 2 * soft.poisson_ratio) if soft and not soft.shear else 0.0
+            across = soft.shear[1:] if soft and soft.shear else (alike, alike)
+            stiff = tuple(G * real(f[6] or ".833333") * t * (apart - t / 2) / apart**2 for G in across)
+            core, stiff = f"core of PSHELL {number}", (0.0, *(stiff if all(stiff) else ()))
+            if f[5] and not soft:
+                deck.lose(f"PSHELL {number}", f"no material {f[5]} of its core is known here")
             deck.materials[core] = Elastic(modulus=0.0, poisson_ratio=0.0, density=0.0, shear=stiff)
             layers = ((f[1], t / 2, 0.0), (core, apart - t / 2, 0.0), (f[1], t / 2, 0.0))
         elif bending != f[1] or abs(ratio - 1) > ALIKE:
@@ -714,8 +717,11 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
                     if named:
                         deck.lose(name, f"the orientation {angle[0]} of a layer")
                     layers.append((of.upper(), real(thickness), 0.0 if named else real(angle[0])))
+                layers += layers[::-1] if "SYMMETRIC" in o else []
             elif off or o.get("MATERIAL") in fibres:
                 layers = [(o["MATERIAL"], real(first[0]), 0.0)]
+            if "NODAL THICKNESS" in o:
+                deck.lose(name, "thicknesses at its nodes")
             whole = sum(one for _, one, _ in layers)
             of, oriented[group] = layers[0][0] if layers else o["MATERIAL"], o.get("ORIENTATION", "")
             deck.properties[group] = Property(
@@ -723,8 +729,10 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
             )
         elif keyword == "ORIENTATION":
             turns = real(rows[1][1]) if len(rows) > 1 and len(rows[1]) > 1 else 0.0
-            ways[o["NAME"]] = tuple(real(text) for text in first[:3]), turns
-            if o.get("SYSTEM", "RECTANGULAR") != "RECTANGULAR" or (turns and rows[1][0] != "3"):
+            points = np.array([real(text) for text in [*first, *9 * [""]][:9]]).reshape(3, 3)  # on its axes, and where they begin
+            ways[o["NAME"]] = tuple((points[0] - points[2]).tolist()), turns
+            plain = (o.get("SYSTEM", "RECTANGULAR"), o.get("DEFINITION", "COORDINATES")) == ("RECTANGULAR", "COORDINATES")
+            if not plain or (rows[1:] and rows[1][0] != "3"):
                 deck.lose(name, "axes that are not of one rectangular system, turned about its third")
         elif keyword == "BEAM SECTION":
             deck.beam_section(name, group, o, rows)
@@ -753,6 +761,8 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
     for group, name in oriented.items():
         along, turns = ways.get(name, ((1.0, 0.0, 0.0), 0.0))
         one = deck.properties[group]
+        if name and name not in ways and one.layers:
+            deck.lose(f"*SHELL SECTION of {group}", f"no orientation {name} is there")
         layers = [(of, thickness, angle + turns) for of, thickness, angle in one.layers]
         deck.properties[group] = replace(one, layers=tuple(layers), x_axis=along if layers else ())
     if open_step:

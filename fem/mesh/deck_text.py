@@ -124,6 +124,9 @@ SETS = ("ELSET", "NSET", "REF NODE", "TIE NSET", "PIN NSET")
 COUNTED = ("NODE", "ELEMENT", "NSET", "ELSET")
 """Keywords whose rows have numbers of nodes and elements."""
 
+DIRECTED = {"ORIENTATION": 0, "BEAM SECTION": 1, "BEAM GENERAL SECTION": 1}
+"""Keywords of which a row has directions, which turn with an instance, and which row."""
+
 
 @dataclass(kw_only=True)
 class _Block:
@@ -154,6 +157,7 @@ class _Place:
 
     def rows(self, block: _Block, word: Callable[[str], str]) -> Iterator[Line]:
         """Rows of `block` with their coordinates in the assembly, and each number or name of a set as its `word` there."""
+        turned = block.rows[DIRECTED.get(block.keyword, len(block.rows)) :][:1]  # what has directions
         for line in block.rows:
             words = [text.strip() for text in line.text.split(",")]
             if block.keyword == "NODE":
@@ -161,6 +165,9 @@ class _Place:
                 if not np.isfinite(at).all():
                     raise _refused(line, "it has a node that is nowhere")
                 words = [self.number(words[0]), *(repr(value) for value in (self.turn @ at + self.shift).tolist())]
+            elif line in turned and block.options.get("DEFINITION", "COORDINATES").upper() == "COORDINATES":
+                points = np.array([real(text) for text in words[: len(words) // 3 * 3]]).reshape(-1, 3)
+                words = [repr(value) for value in (points @ self.turn.T).ravel().tolist()]
             elif block.keyword in COUNTED:
                 last = 2 if "GENERATE" in block.options else len(words)
                 words = [*map(word, words[:last]), *words[last:]]
@@ -281,7 +288,8 @@ def _assembled(assembly: list[_Block], parts: Mapping[str, list[_Block]], places
 
     def placed(blocks: Iterable[_Block], of: _Place, named: Callable[[str], str], word: Callable[[str], str]) -> Iterator[Line]:
         for block in blocks:
-            options = {key: named(value) if key in SETS else value for key, value in block.options.items() if key != "INSTANCE"}
+            own = (*SETS, "ORIENTATION", *(["NAME"] if block.keyword == "ORIENTATION" else []))
+            options = {key: named(value) if key in own else value for key, value in block.options.items() if key != "INSTANCE"}
             yield _headed(block.head, block.keyword, options)
             yield from of.rows(block, word)
 

@@ -32,6 +32,9 @@ _LINK = ("at", "nodes", "directions", "mean_of", "weights", "rotations")
 _OPEN = ("Iyz", "neutral_axis", "shear")
 """What a section with an area, Iy, Iz and J may have beside."""
 
+SOFT = 1e-9
+"""[1] Share of the greatest stiffness of layers below which they have none some way in their plane. By definition."""
+
 At = int | str | tuple[float, float, float]
 """Where something is: the number of a node, the name of a group, box or place, or coordinates [m]."""
 
@@ -301,6 +304,9 @@ class _Table:
             laminate, thickness, material = self.layers()
         else:
             material = self.material()
+            if beside := [key for key in ("x_axis", "offset") if key in self.table]:
+                remedy = "State the material and the thickness as its one layer"
+                raise self.wrong(beside[0], "left out where there are no `layers`", remedy)
         section, reach, z_axis, varied = None, 0.0, None, False
         if "section" in self.table:
             where = f"{self.where}.section"
@@ -339,8 +345,11 @@ class _Table:
         where = f"{self.where}.layers"
         tables = (_Table(source=self.source, where=f"{where}.{k}", table=one) for k, one in enumerate(listed, start=1))
         several = [one.known(("material", "thickness", "angle")).layer() for one in tables]
-        if max(one.plane[1, 1] for one in several) <= 0:
-            raise self.wrong("layers", "stiff in their plane, one of them at least", "State the faces")
+        stiff = np.linalg.eigvalsh(sum((one.thickness * one.turned for one in several), np.zeros((3, 3))))
+        if not stiff[0] > SOFT * stiff[-1]:
+            raise self.wrong(
+                "layers", "stiff in their plane along it, across it and in shear", "State the faces, or a modulus 12"
+            )
         offset = self.quantity("offset", "length", positive=False) if "offset" in self.table else 0.0
         made, thickness = shells.Laminate.of(several, offset), float(sum(one.thickness for one in several))
         A, rho = float(np.sqrt(made.membrane[0, 0] * made.membrane[1, 1])), made.masses[0] / thickness
@@ -349,7 +358,7 @@ class _Table:
 
     def layer(self) -> shells.Layer:
         angle, value = self.table.get("angle", 0.0), self.table.get("material")
-        if isinstance(angle, bool) or not isinstance(angle, int | float):
+        if isinstance(angle, bool) or not isinstance(angle, int | float) or not np.isfinite(angle):
             raise self.wrong("angle", "a number of degrees", "Write angle = 45")
         if isinstance(value, dict) and isinstance(value.get("youngs_modulus"), list):
             own = _Table(source=self.source, where=f"{self.where}.material", table=value).known(_PLY)
@@ -360,7 +369,7 @@ class _Table:
             )
             nu, density = value.get("poisson_ratio"), own.quantity("density", "density", positive=False)
             shrinks = 1 - nu**2 * E2 / max(E1, 1e-300) if isinstance(nu, int | float) else 0.0
-            if shrinks <= 0 or min(E1, E2, G12, density) < 0 or min(across, default=1.0) <= 0:
+            if not shrinks > 0 or min(E1, E2, G12, density) < 0 or min(across, default=1.0) <= 0:
                 problem = "of a layer: no modulus or density below 0, and Poisson's ratio of strain across to strain along"
                 raise own.wrong("poisson_ratio", problem, "Write two youngs_modulus and three shear_modulus: 12, 13, 23")
             plane = np.array([[E1, nu * E2, 0], [nu * E2, E2, 0], [0, 0, 0]]) / shrinks + np.diag([0, 0, G12])
@@ -396,7 +405,7 @@ class _Table:
 
     def section(self, material: Material) -> tuple[Profile, float, Array | None, bool]:
         z_axis = self.direction("z_axis")
-        keys = {key for key in self.table if key not in ("z_axis", *_OPEN)}
+        keys = {key for key in self.table if key not in ("z_axis", *(_OPEN if "Iy" in self.table else ()))}
         if keys == {"width", "height"}:
             width, height = self.quantity("width", "length"), self.quantity("height", "length")
             return Profile(sizes=(width, height), material=material), float(np.hypot(width, height) / 2), z_axis, True
@@ -477,13 +486,23 @@ class _Table:
         for other in ("nodes", "directions"):
             if key == "mean_of" and other in self.table:
                 raise self.wrong(other, "left out beside `mean_of`", "Nodes ride on a link, or it follows their mean motion")
-        nodes, weights, turning = self.nodes(key), self.table.get("weights", []), self.table.get("rotations", False)
-        counted = isinstance(weights, list) and all(isinstance(one, int | float) and one > 0 for one in weights)
-        if not counted or len(weights) not in (0, len(nodes)) or (key == "nodes" and (weights or turning)):
-            which = "weights" if weights else "rotations"
-            raise self.wrong(which, f"{len(nodes)} positive numbers beside `mean_of`", "Write one for each of its entries")
-        ways, several = self.directions(), tuple(weights)
-        return Link(at=at, nodes=nodes, directions=ways, follows=key == "mean_of", weights=several, rotations=turning is True)
+            if key == "nodes" and {"weights", "rotations"} & set(self.table):
+                raise self.wrong("weights", "left out but beside `mean_of`", "What rides on a link has no weight")
+        nodes, weights, rotations = self.nodes(key), self.table.get("weights", []), self.table.get("rotations", False)
+        if not isinstance(weights, list) or not all(isinstance(one, int | float) and 0 < one < np.inf for one in weights):
+            raise self.wrong("weights", "a list of positive numbers", "Write one for each entry of `mean_of`")
+        if weights and len(weights) != len(nodes):
+            raise self.wrong("weights", f"{len(nodes)} numbers, one for each entry of `mean_of`", "Write one for each")
+        if not isinstance(rotations, bool):
+            raise self.wrong("rotations", "true or false", "Write rotations = true where rotations of the nodes count")
+        return Link(
+            at=at,
+            nodes=nodes,
+            directions=self.directions(),
+            follows=key == "mean_of",
+            weights=tuple(weights),
+            rotations=rotations,
+        )
 
     def nodes(self, key: str = "nodes") -> tuple[int | str, ...]:
         nodes = self.table.get(key)

@@ -440,6 +440,9 @@ def _beam_states(
     """Orientation (3,) of a CBAR or CBEAM between two nodes `at` (2, 3), and the offsets (2, 3) of its ends from them."""
     ways = [np.eye(3) if (axes := where.freedoms(node)) is None else axes for node in own]
     offt = (f[7].upper() if f[7].isalpha() else "") or "GGG"
+    if not re.fullmatch("[GB][GO][GO]", offt):
+        problem = f"OFFT of beam {f[0]} is {offt}"
+        raise BadInput(source=where.source, field="OFFT", problem=problem, remedy="Write GGG, or another of G, B and O")
     if f[4].isdigit() and not f[5]:
         to = nodes.get(int(f[4]), at[0]) - at[0]
     else:

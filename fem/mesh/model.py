@@ -634,7 +634,7 @@ def _beams(elements: Elements, block: Block, part: described.PartTable) -> tuple
         try:
             (length, T), (_, moved) = (block.beam(k, elements.points, part, mass) for mass in (False, True))
         except ValueError:
-            problem = f"the z axis of its section lies along element {block.tags[k]}"
+            problem = f"the z axis of its section lies along element {block.tags[k]}, or the deck states none"
             raise BadInput(
                 source=elements.source, field=f"parts.{block.part}.section", problem=problem, remedy="State another z_axis"
             ) from None

@@ -83,16 +83,20 @@ class Block:
         return np.asarray(points[self.nodes[some]] + (0.0 if self.offsets is None else self.offsets[some]))
 
     def fibres(self, points: Array, x_axis: Array | None) -> Array:
-        """The first axis (c, 3) of its layers: the part's, or that which the element states, or its first side where neither is
-        or where it is upright."""
+        """The first axis (c, 3) of its layers: the part's, or that which the element states, or its first side where neither is.
+
+        Where that is upright the z of the frame, as in Abaqus, or the x where that is upright, too.
+        """
         corners = self.corners(points)
         side, other = (corners[:, k] - corners[:, 0] for k in (1, 2))
         stated = self.axes if x_axis is None else x_axis[None]
         if stated is None:
             return side
-        across = np.cross(stated, normal := np.cross(side, other))
-        lies = np.linalg.norm(across, axis=1) > UPRIGHT * np.linalg.norm(stated, axis=1) * np.linalg.norm(normal, axis=1)
-        return np.where(lies[:, None], stated, side)  # NaN is not above either
+        found, normal = side, np.cross(side, other)
+        for one in (np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 1.0]]), stated):
+            across, *both = (np.linalg.norm(each, axis=1)[:, None] for each in (np.cross(one, normal), one, normal))
+            found = np.where(across > UPRIGHT * both[0] * both[1], one, found)
+        return np.where(np.isfinite(stated).all(axis=1, keepdims=True), found, side)
 
     def beam_axes(self, k: int, points: Array, table: PartTable) -> Array:
         """`beam_axes` of its beam `k`: the part's go before those that the element states.
@@ -562,7 +566,7 @@ def beam_axes(corners: Array, z_axis: Array | None) -> Array:
         wanted = np.array([0.0, 0.0, 1.0]) if abs(along[2]) < 0.99 else np.array([1.0, 0.0, 0.0])
     z = wanted - along * (along @ wanted)
     length = np.linalg.norm(z)
-    if length < 1e-6 * np.linalg.norm(wanted):
+    if not length > 1e-6 * np.linalg.norm(wanted):  # along it, or nowhere
         raise ValueError("`z_axis` must not lie along the beam")
     z = z / length
     return np.array([along, np.cross(z, along), z])

@@ -54,6 +54,13 @@ class Layer:
     thickness: float
     density: float
 
+    @property
+    def turned(self) -> Array:
+        """`plane` in the laminate's axes."""
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        turn = np.array([[c * c, s * s, s * c], [s * s, c * c, -s * c], [-2 * s * c, 2 * s * c, c * c - s * s]])
+        return np.asarray(turn.T @ self.plane @ turn)
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Laminate:
@@ -83,8 +90,7 @@ class Laminate:
         moments, masses, planes, softness = np.zeros((3, 3, 3)), np.zeros(3), [], []
         for one, low, high in zip(layers, ends, ends[1:], strict=False):
             c, s = np.cos(one.angle), np.sin(one.angle)
-            turn = np.array([[c * c, s * s, s * c], [s * s, c * c, -s * c], [-2 * s * c, 2 * s * c, c * c - s * s]])
-            planes.append(turn.T @ one.plane @ turn)
+            planes.append(one.turned)
             softness.append(np.array([[c, -s], [s, c]]) / one.across @ np.array([[c, s], [-s, c]]))
             for k in range(3):
                 power = (high ** (k + 1) - low ** (k + 1)) / (k + 1)

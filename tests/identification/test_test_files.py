@@ -281,6 +281,19 @@ def test_a_table_names_the_test_before_and_each_mode_has_that_of_then(tmp_path: 
     assert_allclose([found.frequency[0], *found.before[0]], [29.0, 30.0, 0.3])
 
 
+def test_a_mode_that_the_test_before_has_not_may_be_left_out(tmp_path: Path) -> None:
+    """Four modes where the one before has three; and that may itself name one before it, even this."""
+    (tmp_path / "before.toml").write_text(toml_of({**BEFORE, "before": "after.toml"}), encoding="utf-8")
+    of = {"kind": "modal-table", "article": "beam", "frequencies": [9.5, 15.0, 19.0, 29.0], "leave_out": [2]}
+    (tmp_path / "after.toml").write_text(toml_of({**of, "before": "before.toml"}), encoding="utf-8")
+    found = test_file.read(tmp_path / "after.toml", {**of, "before": "before.toml"})
+    assert isinstance(found, ModalTable)
+    assert found.before is not None
+    assert_allclose(found.before[:, 0], [10.0, 16.0, 30.0])
+    with pytest.raises(BadInput, match="names its own table"):
+        test_file.read(tmp_path / "after.toml", {**of, "before": "after.toml"})
+
+
 @pytest.mark.parametrize(
     ("earlier", "frequencies", "said"),
     [

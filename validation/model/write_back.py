@@ -332,7 +332,15 @@ def _properties(deck: Deck, program: Program, part: str, own: Sequence[Added]) -
     if part in deck.masses:
         body = deck.masses[part]
         at, drawn, turned = deck.at(body.at), body.inertia.mass, np.any(body.inertia.mass_matrix[3:, 3:])
-        hand = [f"its moments of inertia grow by the same share: multiply them by {factor['mass']:.6g} by hand"] if turned else []
+        aside = body.inertia.cog - body.inertia.reference_point
+        hand = (
+            [f"its centre of gravity is {', '.join(f'{x / deck.units.length:.6g}' for x in aside)} beside the node: put it there"]
+            if np.any(aside)
+            else []
+        )
+        hand += (
+            [f"its moments of inertia grow by the same share: multiply them by {factor['mass']:.6g} by hand"] if turned else []
+        )
         said = [
             *at.said,
             f"mass of {part}: was {drawn:.6g} kg, found {drawn * factor['mass']:.6g} kg; this is the difference",

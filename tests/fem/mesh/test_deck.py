@@ -437,6 +437,10 @@ def test_hollow_and_open_sections(deck_text: str, ending: str, walls: Callable[[
     ("more", "words"),
     [
         ("RBE3,9,,5,123,1.,123,1,2,\n,,2.,12,3", "RBE3 9: freedoms other than 123"),
+        (
+            "RBE3,9,,5,123,1.,123,1,2,\n,,0.,123,3",
+            "RBE3 9: freedoms other than 123 or 123456, UM, or a weight that is not positive",
+        ),
         ("RBE3,9,,4,123456,1.,123,1,2", "RBE3 9: node 4 follows others, and is part of the structure itself"),
         ("RBE3,9,,5,123,1.,123,1,2,\n,UM,1,123", "RBE3 9: freedoms other than 123"),
         ("PROD,2,1,5.,7.\nCROD,2,2,1,5", "PROD 2: its stiffness in torsion"),
@@ -657,6 +661,8 @@ def test_a_beam_on_two_bearings_is_held_in_some_directions(tmp_path: Path) -> No
             "rides on a link",
         ),
         ('links.b = { at = ["0 m", "0 m", "1 m"], mean_of = [3, 4], directions = ["x"] }\n', "left out beside `mean_of`"),
+        ('links.b = { at = ["0 m", "0 m", "1 m"], mean_of = [3, 4], weights = [1, inf] }\n', "a list of positive numbers"),
+        ('links.b = { at = ["0 m", "0 m", "1 m"], mean_of = [3, 4], rotations = 1 }\n', "true or false"),
     ],
 )
 def test_what_holds_in_some_directions_is_said_right(more: str, words: str, tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import pytest
 from fem.mesh import deck, model
 from fem.modes import lowest
 from fem.structure import Structure
+from geometry.errors import BadInput
 
 E, RHO, LENGTH, COUNT = 210e3, 7.85e-9, 1200.0, 16
 """[MPa, t/mm³, mm, count] of a cantilever along x."""
@@ -113,6 +114,33 @@ def test_a_point_of_a_beam_beside_its_nodes_moves_with_both(tmp_path: Path) -> N
     rigid = made.rigid
     row = made.elements.rows([[LENGTH / 2e3, 0.0, APART / 1e3]])[0] @ rigid
     np.testing.assert_allclose(row[:, 4], [APART / 1e3, 0.0, -LENGTH / 2e3], atol=1e-9)
+
+
+@pytest.mark.parametrize("card", ["CBAR,{n},1,{a},{b}", "CBAR,{n},1,{a},{b},99"])
+def test_a_bar_of_no_direction_is_refused_unless_its_part_has_one(card: str, tmp_path: Path) -> None:
+    """It states none, or a point that is not there."""
+    with pytest.raises(BadInput, match="or the deck states none"):
+        loaded([*cantilever(card), section(1, WEB)], tmp_path)
+    text = (tmp_path / "one.toml").read_text()
+    (tmp_path / "one.toml").write_text(text.replace("section = { ", "section = { z_axis = [0, 0, 1], "))
+    made = model.load(tmp_path / "one.toml")[1]
+    full = loaded([*cantilever("CBAR,{n},1,{a},{b},0.,0.,1."), section(1, WEB)], tmp_path)
+    np.testing.assert_allclose(frequencies(made), frequencies(full), rtol=1e-9)
+
+
+@pytest.mark.parametrize("offt", ["GG", "XYZ"])
+def test_axes_of_offsets_that_are_none_are_refused(offt: str, tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match=f"OFFT of beam 1 is {offt}"):
+        loaded([*cantilever(OFF.format(offt=offt, x=0.0, z=APART)), section(2, FLANGE)], tmp_path)
+
+
+def test_what_is_of_a_section_with_moments_is_refused_of_others(tmp_path: Path) -> None:
+    loaded([*cantilever("CBAR,{n},1,{a},{b},0.,0.,1."), "PBARL,1,1,,BAR\n,10.,40."], tmp_path)
+    text = (tmp_path / "one.toml").read_text()
+    assert "section = { width" in text
+    (tmp_path / "one.toml").write_text(text.replace("section = { ", "section = { shear = [0.5, 0.5], "))
+    with pytest.raises(BadInput, match="section"):
+        model.load(tmp_path / "one.toml")
 
 
 def test_baror_says_what_bars_leave_out(tmp_path: Path) -> None:

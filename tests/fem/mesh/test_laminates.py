@@ -186,6 +186,19 @@ def test_layers_grow_with_their_thickness_and_all_with_the_modulus(tmp_path: Pat
     assert abs(double.stiffness - 2 * K).max() < 1e-12 * abs(K).max()
 
 
+def test_the_core_of_a_sandwich_shears_by_either_of_its_moduli(tmp_path: Path) -> None:
+    """A MAT8 in place of a MAT1 alike, and none that is not there."""
+    E, G, plate = 210e3, 80.0, [*clamped(6, 4), *rectangle(120.0, 80.0, 6, 4)]
+    faces, shell = f"MAT1,1,{E},,.3,7.85-9", "PSHELL,1,1,1.,1,30.,3,5."
+    wanted = hertz(described([faces, f"MAT1,3,{2.6 * G},,.3,1.-12", shell, *plate], tmp_path))
+    stiff = hertz(described([faces, "PSHELL,1,1,1.,1,30.", *plate], tmp_path))
+    assert stiff[0] > 1.1 * wanted[0]
+    found = hertz(described([faces, f"MAT8,3,1.,1.,.3,1.,{G},{G},1.-12", shell, *plate], tmp_path))
+    np.testing.assert_allclose(found, wanted, rtol=1e-6)
+    (tmp_path / "one.bdf").write_text("\n".join([faces, shell, *plate, "ENDDATA", ""]))
+    assert deck.described(tmp_path / "one.bdf", "mm-t-N-s")[1] == ("PSHELL 1: no material 3 of its core is known here",)
+
+
 def test_a_shell_that_bends_otherwise_than_its_thickness_says_is_a_sandwich(tmp_path: Path) -> None:
     """12 I / t³ and ts / t of faces of 0.6 mm on a core of 12 mm, as spacecraft panels are written; the same as layers."""
     t, h, G = 0.6, 12.0, 150.0
@@ -206,6 +219,8 @@ def test_a_shell_that_bends_otherwise_than_its_thickness_says_is_a_sandwich(tmp_
         (("poisson_ratio = 0.3", "poisson_ratio = 9"), "Poisson's ratio of strain across"),
         (("layers =", "x_axis = [0, 0]\nlayers ="), "three numbers that are a direction"),
         (("angle = 0", "turned = 0"), "unknown"),
+        (("angle = 0", "angle = nan"), "a number of degrees"),
+        (("poisson_ratio = 0.3", "poisson_ratio = nan"), "Poisson's ratio of strain across"),
     ],
 )
 def test_layers_that_are_none_are_refused(change: tuple[str, str], words: str, tmp_path: Path) -> None:
@@ -214,6 +229,28 @@ def test_layers_that_are_none_are_refused(change: tuple[str, str], words: str, t
     assert change[0] in text
     (tmp_path / "one.toml").write_text(text.replace(*change, 1))
     with pytest.raises(BadInput, match=words):
+        model.load(tmp_path / "one.toml")
+
+
+def test_layers_that_do_not_resist_shear_in_their_plane_are_refused_and_crossed_ones_without_stiffness_across_are_not(
+    tmp_path: Path,
+) -> None:
+    """G12 of a MAT8 is zero where the card leaves it out; fibres alone, along and across, are a net."""
+    plate = [*clamped(6, 4), *rectangle(120.0, 80.0, 6, 4)]
+    with pytest.raises(BadInput, match="stiff in their plane along it, across it and in shear"):
+        described([f"MAT8,2,{E1},{E2},{NU},,,,{RHO}", comp((1.0, 0.0), (1.0, 90.0)), *plate], tmp_path)
+    net = described([f"MAT8,2,{E1},0.,0.,{G12},,,{RHO}", comp((1.0, 0.0), (1.0, 90.0), (1.0, 0.0)), *plate], tmp_path)
+    assert hertz(net)[0] > 0
+
+
+@pytest.mark.parametrize("beside", ['offset = "5 mm"', "x_axis = [1, 0, 0]"])
+def test_what_is_of_layers_is_refused_where_there_are_none(beside: str, tmp_path: Path) -> None:
+    plate = [f"MAT1,1,{E1},,.3,{RHO}", "PSHELL,1,1,2.,1,,1", *clamped(6, 4), *rectangle(120.0, 80.0, 6, 4)]
+    described(plate, tmp_path)
+    text = (tmp_path / "one.toml").read_text()
+    assert "thickness =" in text
+    (tmp_path / "one.toml").write_text(text.replace("thickness =", f"{beside}\nthickness =", 1))
+    with pytest.raises(BadInput, match="left out where there are no `layers`"):
         model.load(tmp_path / "one.toml")
 
 
@@ -257,6 +294,66 @@ def test_layers_of_abaqus_are_those_of_nastran(section: str, prop: str, quad: st
     card = CARBON if kind else f"MAT1,2,{E2},,{NU},{RHO}"
     wanted = hertz(described([card, prop, *clamped(6, 4), *rectangle(120.0, 80.0, 6, 4, quad)], tmp_path))
     np.testing.assert_allclose(hertz(model.load(tmp_path / "two.toml")[1]), wanted, rtol=1e-6)
+
+
+CROSS = f", TYPE=LAMINA\n{E1}, {E2}, {NU}, {G12}, {G13}, {G23}"
+ONE = "*SHELL SECTION, ELSET=P, COMPOSITE\n1., 3, M, 0."
+
+
+def of_abaqus(text: str, folder: Path, *lost: str) -> np.ndarray:
+    (folder / "two.inp").write_text(text)
+    written, said = deck.described(folder / "two.inp", "mm-t-N-s")
+    assert said == lost
+    (folder / "two.toml").write_text(written)
+    return hertz(model.load(folder / "two.toml")[1])
+
+
+def test_fibres_of_a_wall_across_x_are_along_z(tmp_path: Path) -> None:
+    """Of Abaqus without an orientation: along x, and along z where x is upright on the shell; its length is along y here."""
+    text = re.sub(r"^(\d+),([\d.]+),([\d.]+),0\.$", r"\1, 0., \2, \3", abaqus(ONE, CROSS, RHO), flags=re.MULTILINE)
+    assert "\n1, 0., 0.0, 0.0\n" in text
+    wanted = hertz(described([CARBON, comp((1.0, 90.0)), *clamped(6, 4), *rectangle(120.0, 80.0, 6, 4)], tmp_path))
+    np.testing.assert_allclose(of_abaqus(text, tmp_path), wanted, rtol=1e-6)
+
+
+def test_layers_of_abaqus_that_are_symmetric_are_there_twice(tmp_path: Path) -> None:
+    half = "*SHELL SECTION, ELSET=P, COMPOSITE, SYMMETRIC\n1., 3, M, 0.\n.5, 3, M, 90."
+    whole = comp((1.0, 0.0), (0.5, 90.0), (0.5, 90.0), (1.0, 0.0))
+    wanted = hertz(described([CARBON, whole, *clamped(6, 4), *rectangle(120.0, 80.0, 6, 4)], tmp_path))
+    np.testing.assert_allclose(of_abaqus(abaqus(half, CROSS, RHO), tmp_path), wanted, rtol=1e-6)
+
+
+def test_fibres_turn_with_the_instance_that_they_are_of(tmp_path: Path) -> None:
+    """Two plates with fibres of one name each, turned by a quarter and by 30 degrees: each frequency is there twice."""
+    flat = abaqus("", "", 1.0).split("*MATERIAL")[0]
+    foot = f"*NSET, NSET=FOOT\n{', '.join(map(str, edge(6, 4, 0)))}\n"
+    ways = ("*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n3, 0.", "*ORIENTATION, NAME=O\n0., 1., 5., 1., 0., 5., 0., 0., 5.")
+    section = "\n*SHELL SECTION, ELSET=P, COMPOSITE, ORIENTATION=O\n1., 3, M, {}.\n"
+    text = "".join(
+        f"*PART, NAME=P{k}\n{flat}{foot}{way}{section.format(angle)}*END PART\n"
+        for k, (way, angle) in enumerate(zip(ways, (0, -90), strict=True))
+    )
+    text += "*ASSEMBLY, NAME=A\n*INSTANCE, NAME=I, PART=P0\n900., 0., 0.\n0., 0., 0., 0., 0., 1., 90.\n*END INSTANCE\n"
+    text += "*INSTANCE, NAME=J, PART=P1\n0., 0., 0.\n0., 0., 0., 0., 0., 1., 30.\n*END INSTANCE\n*END ASSEMBLY\n"
+    text += f"*MATERIAL, NAME=M\n*ELASTIC{CROSS}\n*DENSITY\n{RHO}\n"
+    found = of_abaqus(f"{text}*BOUNDARY\nI.FOOT, 1, 6\nJ.FOOT, 1, 6\n", tmp_path)
+    wanted = hertz(described([CARBON, comp((1.0, 0.0)), *clamped(6, 4), *rectangle(120.0, 80.0, 6, 4)], tmp_path))
+    np.testing.assert_allclose(found, np.repeat(wanted, 2)[: len(found)], rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("head", "lost"),
+    [
+        ("*ORIENTATION, NAME=O, DEFINITION=NODES\n1, 2, 8", "*ORIENTATION O: axes that are not of one rectangular system"),
+        ("*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n1, 0.", "*ORIENTATION O: axes that are not of one rectangular system"),
+        ("", "*SHELL SECTION of P: no orientation O is there"),
+    ],
+)
+def test_an_orientation_that_is_not_read_is_said(head: str, lost: str, tmp_path: Path) -> None:
+    section = "*SHELL SECTION, ELSET=P, COMPOSITE, ORIENTATION=O\n1., 3, M, 0."
+    (tmp_path / "two.inp").write_text(abaqus(section, CROSS, RHO, head))
+    (said,) = deck.described(tmp_path / "two.inp", "mm-t-N-s")[1]
+    assert said.startswith(lost)
 
 
 def test_an_axis_that_is_upright_on_a_shell_says_nothing_of_it(tmp_path: Path) -> None:

@@ -137,6 +137,11 @@ def test_a_body_that_is_heavier_gets_the_difference_at_its_node(beam: Path) -> N
     assert (int(mass[1]), float(mass[3])) == (CORNER, pytest.approx(3e-5))
     assert "$ mass of camera: was 0.12 kg, found 0.15 kg; this is the difference" in text
     assert "multiply them by 1.25 by hand" in text
+    assert "beside the node" not in text
+    aside = camera + '\ncog = ["0 mm", "0 mm", "35 mm"]'
+    assert "its centre of gravity is 0, 0, 35 beside the node: put it there" in written(
+        model_file.read(model(beam, {"mass:camera": 0.25}, aside)), "nastran"
+    )
 
 
 def fields(text: str) -> dict[str, list[list[str]]]:
