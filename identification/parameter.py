@@ -30,6 +30,7 @@ class Parameter:
     start : offset at which a fit begins
     within : greatest offset either way that a plain fit allows a declared one
     low, high : least and greatest offset of all fits; beyond is no physics, or nothing that anybody would build
+    plausible : standard deviation of it as a fault, where that is another than its family has
     """
 
     name: str
@@ -44,6 +45,7 @@ class Parameter:
     within: float = inf
     low: float = -inf
     high: float = inf
+    plausible: float = 0.0
 
     @property
     def family(self) -> str:

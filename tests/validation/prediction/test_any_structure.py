@@ -240,6 +240,12 @@ def test_a_body_that_does_not_give_may_be_heavier_by_its_name_and_a_point_mass_h
     assert catalogue.there("frame", made[1]).bodies == ("box",)
     known = {one.name for one in effects.nuisances("frame", made[1], np.array([10.0]), {}).parameters}
     assert "mass:box" in known
+    as_fault = effects.opened(
+        effects.nuisances("frame", made[1], np.array([10.0]), {}).parameters,
+        [Added(named=catalogue.parse(f"mass:{part}=0.1", Vocabulary(parts=None))) for part in ("box", "rail")],
+    )[0]
+    plausible = {one.name: one.tolerance for one in as_fault}
+    assert (plausible["mass:box"], plausible["mass:rail"]) == (1.0, 0.15)  # twice as heavy came out as 0.68
     assert "mass:lamp" not in known
     assert catalogue.acts(catalogue.parse("mass:box=0.1", Vocabulary(parts=None)), catalogue.there("frame", made[1]))
     assert not catalogue.acts(catalogue.parse("modulus:box=0.1", Vocabulary(parts=None)), catalogue.there("frame", made[1]))
