@@ -91,6 +91,9 @@ OF_DRIVES = ("force-position", "force-misalignment", "wrong-reference")
 PLANTED = (*STRUCTURAL, *SENSORS)
 """Families that can be hidden in such a test."""
 
+UNSEEN = 1e-6
+"""Share of its largest motion below which a mode moves the sensors by rounding alone, and nobody tabulates it."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StructurePlan:
@@ -226,11 +229,14 @@ class TestedStructure:
         return np.asarray(-omega2[:, None, None] * A)
 
     def table(self, rows: Sequence[Sparse], low: float, high: float) -> tuple[Array, Array, Array]:
-        """Frequencies (m,) [Hz] from `low` to `high`, ascending, damping ratios (m,), and shapes (m, c) along `rows`."""
+        """Frequencies (m,) [Hz] from `low` to `high`, ascending, damping ratios (m,), and shapes (m, c) along `rows`,
+        of the modes that move one of them."""
         values, turned = self.lossy
         hertz, eta = np.sqrt(np.maximum(values.real, 0)) / (2 * np.pi), values.imag / np.maximum(values.real, 1e-30)
         inside = [int(k) for k in np.argsort(hertz) if low <= hertz[k] <= high]
         shapes = ((np.array(rows) @ self.modes[1]) @ turned[:, inside]).real.T
+        seen = np.abs(shapes).max(axis=1) > UNSEEN * np.abs(self.modes[1] @ turned[:, inside]).max(axis=0)
+        inside, shapes = [k for k, is_seen in zip(inside, seen, strict=True) if is_seen], shapes[seen]
         # A shape has no sign; that of its largest entry is +, so that noise upon it is the same in every run
         largest = np.take_along_axis(shapes, np.abs(shapes).argmax(axis=1, keepdims=True), axis=1)
         return hertz[inside], self.ratio + eta[inside] / 2, np.where(largest < 0, -shapes, shapes)

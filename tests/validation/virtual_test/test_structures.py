@@ -1,7 +1,9 @@
 """Virtual tests of structures: the same whenever they are made."""
 
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -51,3 +53,33 @@ def test_a_large_structure_answers_as_its_whole_matrices_do_with_their_losses(
         due = -square * own @ splu(dynamic).solve(own.T.astype(complex))
         worst = max(worst, float((np.abs(found - due) / np.abs(due).max(axis=1, keepdims=True)).max()))
     assert worst < 1e-3
+
+
+MAST = """format = 1
+model = { title = "a mast", article = "mast" }
+
+[fe_model]
+kind = "frame"
+nodes = { foot = "0 mm", middle = "400 mm", tip = "800 mm" }
+fixed = ["foot"]
+members = { lower = ["foot", "middle"], upper = ["middle", "tip"] }
+section = { width = "30 mm", thickness = "10 mm", across = "x" }
+material = "steel"
+loss_factor = 0.01
+"""
+
+
+def test_a_table_has_no_mode_that_moves_no_sensor_and_one_that_has_is_compared_all_the_same(run: Any) -> None:
+    """Modes across the sensors were tabulated by what rounding left of them, and `compare` ended in "Singular matrix"."""
+    Path("mast.toml").write_text(MAST)
+    asked = "simulate mast.toml --test modes --response middle:x --response tip:x --band 5 1500 --seed 1 --out seen"
+    assert run(*asked.split())[0] == 0
+    assert len(tomllib.loads(Path("seen/test.toml").read_text())["frequencies"]) == 4  # x alone, of eight
+    across = (
+        'format = 1\nkind = "modal-table"\narticle = "mast"\nfrequencies = [12.96, 38.85, 82.45]\nfrequency_deviation = 0.001\n'
+    )
+    shapes = 'sensors = ["middle:x", "tip:x"]\nshapes = [[0.31, 0.88], [0.5, -0.8], [1.3, -1.8]]\nshapes_deviation = 0.01\n'
+    Path("across.toml").write_text(across + shapes)
+    code, out, err = run("compare", "mast.toml", "across.toml")
+    assert code in (0, 1), err
+    assert "Where it fails".lower() in out.lower()
