@@ -17,7 +17,7 @@ from geometry.dynamic_mass import MOTIONS
 from geometry.frames import Array
 from validation.diagnose.candidates import baseline, candidates, detectable, screen
 from validation.effects.catalogue import FAMILIES, Named, acts, there
-from validation.effects.effect import OPENED
+from validation.effects.effect import OPENED, joints_named
 from validation.effects.stages import ALONG
 from validation.model.model import Added
 from validation.output import entry
@@ -185,7 +185,7 @@ def swinging_with(reduced: ReducedStructure, effects: Iterable[Added]) -> Reduce
     """
     whole, has = reduced.structure, there("article", reduced.matrices)
     for one in effects:
-        if one.named.family in FAMILIES_MOVING and "every" not in one.named.targets and acts(one.named, has):
+        if one.named.family in FAMILIES_MOVING and acts(one.named, has):
             K, M = _changed(whole, one.named)
             whole = replace(whole, stiffness=K, mass=M)
     return reduced if whole is reduced.structure else reduced.swinging_as(whole.stiffness, whole.mass)
@@ -205,10 +205,12 @@ def _changed(structure: Structure, named: Named) -> tuple[Sparse, Sparse]:
         rows = structure.places[what].tocsr()[list(ALONG["".join(named.targets[1:])])]
         more = value * (rows.T @ rows)
         K, M = (K, M + more) if named.family == "point-mass" else (K + more, M)
-    elif named.family != "mass" and (springs := reduction.joint_springs(structure, what)) is not None:
-        p, k = (one[MOTIONS.index(named.targets[1])] for one in springs)
-        p = csr_array(p.reshape(-1, 1))
-        K = K - value / (1 + value * k) * (p @ p.T)
+    elif named.family != "mass":
+        for joint in joints_named(what, structure.joints):
+            if (springs := reduction.joint_springs(structure, joint)) is not None:
+                p, k = (one[MOTIONS.index(named.targets[1])] for one in springs)
+                p = csr_array(p.reshape(-1, 1))
+                K = K - value / (1 + value * k) * (p @ p.T)
     if named.family in ("mass", "thickness") and what in structure.part_mass:
         M = M + value * structure.part_mass[what]
     return K, M
