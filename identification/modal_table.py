@@ -215,6 +215,9 @@ def _before(
     if path.resolve() == Path(source).resolve():
         raise BadInput(source=source, field="before", problem="names its own table", remedy="Name an earlier test")
     known, article = {"article": table["article"], **toml_file.read(path)}, table["article"]
+    if known.get("kind", "modal-table") != "modal-table":
+        problem = f"{path.name} has kind = {known['kind']!r}"
+        raise BadInput(source=source, field="before", problem=problem, remedy="Name a table of modes")
     earlier = of_table({key: value for key, value in known.items() if key != "before"}, str(path), path.parent)
     alike = earlier.sensors == points
     of = paired(frequency, earlier.frequency, shapes if alike else None, earlier.shapes if alike else None)

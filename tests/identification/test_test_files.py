@@ -297,6 +297,7 @@ def test_a_mode_that_the_test_before_has_not_may_be_left_out(tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("earlier", "frequencies", "said"),
     [
+        ({**BEFORE, "kind": "response-functions"}, [9.5, 15.0, 29.0], "kind = 'response-functions'"),
         ({**BEFORE, "drive": "tip:z"}, [9.5], "before.toml"),
         ({**BEFORE, "article": "plate"}, [9.5], "3 modes of plate, and here are 1 of beam"),
         (BEFORE, [9.0, 15.0, 29.0, 40.0], "before.toml has 3 modes of beam, and here are 4 of beam"),
