@@ -486,8 +486,9 @@ class _Table:
         for other in ("nodes", "directions"):
             if key == "mean_of" and other in self.table:
                 raise self.wrong(other, "left out beside `mean_of`", "Nodes ride on a link, or it follows their mean motion")
-            if key == "nodes" and {"weights", "rotations"} & set(self.table):
-                raise self.wrong("weights", "left out but beside `mean_of`", "What rides on a link has no weight")
+        for of_means in ("weights", "rotations"):
+            if key == "nodes" and of_means in self.table:
+                raise self.wrong(of_means, "left out but beside `mean_of`", "What rides on a link has no weight")
         nodes, weights, rotations = self.nodes(key), self.table.get("weights", []), self.table.get("rotations", False)
         if not isinstance(weights, list) or not all(isinstance(one, int | float) and 0 < one < np.inf for one in weights):
             raise self.wrong("weights", "a list of positive numbers", "Write one for each entry of `mean_of`")

@@ -406,7 +406,7 @@ def _nastran(path: Path, left_out: LeftOut) -> _Raw:
         side = at[1] - at[0]
         if kind in BEAMS:
             to, off = _beam_states(f, own, at, nodes, where)
-            axes |= {tag: to} if to.any() else {}
+            axes[tag] = to if to.any() else np.full(3, np.nan)
             if any(f[8:10]):
                 loose[tag] = np.array([LOOSE_AS[k] in f[8 + end] for end in (0, 1) for k in range(6)])
         else:

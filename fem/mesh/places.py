@@ -103,9 +103,11 @@ class Block:
 
         Raises
         ------
-        ValueError : the z axis of its section lies along it.
+        ValueError : the z axis of its section lies along it, or nobody states it of a bar of bulk data.
         """
-        stated = None if self.axes is None or not np.isfinite(self.axes[k]).all() else self.axes[k]
+        stated = None if self.axes is None else self.axes[k]
+        if table.z_axis is None and stated is not None and not np.isfinite(stated).all():
+            raise ValueError("the bar states no direction")
         return beam_axes(self.corners(points, k), stated if table.z_axis is None else table.z_axis)
 
     def beam(self, k: int, points: Array, table: PartTable, mass: bool = False) -> tuple[float, Array]:

@@ -308,7 +308,7 @@ def _products(a: ComplexArray, b: ComplexArray) -> ComplexArray:
 
 
 ROUNDING = 1e-12
-"""Share of the largest variance of a line that rounding leaves of all others, so that none is of nothing."""
+"""Share of its variance by which every channel is unsure on its own, so that what all share of it is no singular matrix."""
 
 CHECKED = 1e-6
 """Share of its own variance that must be left of a channel's redundancy; below, nothing checks it."""
@@ -701,7 +701,7 @@ def _of_lines(measured: Measured, part: Chunk, R: Array | None) -> dict[str, Arr
     y, A = measured.values[:, part.lines], part.rows
     of_tolerances, of_modes = part.spread.covariances
     S = with_noise(of_tolerances + of_modes, part.noise)
-    S = S + ROUNDING * np.diagonal(S, axis1=-2, axis2=-1).real.max(axis=-1)[..., None, None] * np.eye(S.shape[-1])
+    S = S * (1 + ROUNDING * np.eye(S.shape[-1]))
     known = None if measured.inputs is None else measured.inputs[:, part.lines]
     own, chi2 = left_over(y, A, S, known)
     if known is None and measured.judged.all():  # the inputs are what the same channels say of each other

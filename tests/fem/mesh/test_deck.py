@@ -763,5 +763,10 @@ def test_weights_are_one_for_each_node_that_is_followed(more: str, tmp_path: Pat
         "[fe_model]\n", f'[fe_model]\nlinks.b = {{ at = ["0 m", "0 m", "1 m"], {link} }}\n'
     )
     (tmp_path / "one.toml").write_text(text)
-    with pytest.raises(BadInput, match=r"2 positive numbers beside `mean_of`"):
+    said = {
+        "weights = [1]": "2 numbers, one for each entry",
+        "nodes": "left out but beside",
+        "rotations": "rotations`: must be left out but beside",
+    }
+    with pytest.raises(BadInput, match=said.get(more, "a list of positive numbers")):
         model.load(tmp_path / "one.toml")
