@@ -25,6 +25,7 @@ CONNECTING = "20s"
 SETTINGS = {
     "distributed.admin.large-graph-warning-threshold": "1TB",  # a study in memory travels with its records
     "distributed.scheduler.worker-ttl": None,  # a factorisation may hold the interpreter for minutes
+    "distributed.scheduler.worker-saturation": 1.0,  # a process has one task: of what it dies no other that waits there is blamed
     "distributed.worker.profile.enabled": False,
     "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,  # else a third of the time goes into giving memory back
 }
