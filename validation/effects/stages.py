@@ -127,12 +127,9 @@ class Matrices:
     @cached_property
     def bodies(self) -> tuple[str, ...]:
         """Parts that have a mass and no stiffness; what is a point mass at one of the places has the name of that place."""
-        squares = [row.T @ row for row in self.places.values()]
-        return tuple(
-            name
-            for name, share in self.part_mass.items()
-            if name not in self.parts and np.trace(share) > 0 and not any(_is_multiple(share, square) for square in squares)
-        )
+        rows = self.places.values()
+        alone = {name: share for name, share in self.part_mass.items() if name not in self.parts and np.trace(share) > 0}
+        return tuple(name for name, share in alone.items() if not any(_is_multiple(share, row.T @ row) for row in rows))
 
     def lost(self, part: str) -> Array:
         """(k, k) share of a part as its losses count: what a mode loses beside them, it loses of all that the part loses."""
