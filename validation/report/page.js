@@ -3,6 +3,8 @@
   const root = document.documentElement;
   const PAPER_WIDTH = 799; // CSS pixels between the margins of A4, as the style sheet shrinks figures in print: letters of 11 are 7 pt
   const PAPER_HEIGHT = 0.78; // of a figure's height on the screen
+  const PAPER_TALLEST = 610; // CSS pixels: little more than half a page with its heading; a taller figure leaves half of one empty
+  const PAPER_LETTERS = 11; // CSS pixels of an axis title, which stands beside half as much of an axis
   const settings = { responsive: true }; // buttons and all else that must hold on every page comes with the library
   const plots = () => [...document.querySelectorAll(".plot")];
   let known = null;
@@ -21,10 +23,19 @@
     return chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
   }
 
-  function layout(figure) {
-    const own = { ...figure.layout, template: known.templates[dark() ? "dark" : "light"] };
-    return onPaper ? { ...own, width: PAPER_WIDTH, height: PAPER_HEIGHT * own.height } : own;
+  function template() {
+    const own = known.templates[dark() ? "dark" : "light"];
+    if (!onPaper) return own;
+    const small = (axis) => ({ ...axis, title: { ...axis?.title, font: { size: PAPER_LETTERS } } });
+    return { ...own, layout: { ...own.layout, xaxis: small(own.layout?.xaxis), yaxis: small(own.layout?.yaxis) } };
   }
+
+  function layout(figure) {
+    const own = { ...figure.layout, template: template() };
+    return onPaper ? { ...own, width: PAPER_WIDTH, height: onSheet(own.height) } : own;
+  }
+
+  const onSheet = (height) => Math.min(PAPER_HEIGHT * height, PAPER_TALLEST);
 
   function shown(plot) {
     const group = plot.dataset.group;
@@ -40,9 +51,9 @@
   // What a theme and a sheet of paper change of a figure that is there; what the reader zoomed into stays.
   function redress() {
     for (const plot of plots().filter((one) => one.layout)) {
-      const size = onPaper ? [PAPER_WIDTH, PAPER_HEIGHT] : [null, 1];
-      const height = size[1] * shown(plot).layout.height;
-      Plotly.relayout(plot, { template: known.templates[dark() ? "dark" : "light"], width: size[0], height });
+      const own = shown(plot).layout.height;
+      const [width, height] = onPaper ? [PAPER_WIDTH, onSheet(own)] : [null, own];
+      Plotly.relayout(plot, { template: template(), width, height });
       if (!onPaper) Plotly.Plots.resize(plot);
     }
   }
