@@ -23,7 +23,7 @@ from fem.exudyn.frame import refined
 from fem.exudyn.linear import extrapolated, linearise
 from fem.exudyn.run import exudyn_version, from_exudyn, is_interruption, kept, quiet, running, to_exudyn
 from fem.modes import Modes, fixed_base
-from fem.reduction import Reduced, craig_bampton
+from fem.reduction import Reduced
 from geometry.article import material
 from geometry.articles import built_in
 from geometry.articles.parts import load
@@ -236,7 +236,8 @@ def test_no_mode_at_all_and_an_unknown_article_are_refused_before_exudyn_starts(
 
 @pytest.fixture(scope="module", params=["clumod-1", "clumod-4"])
 def ours(request: pytest.FixtureRequest) -> Reduced:
-    return craig_bampton(articles.structure(request.param), COUNT)
+    structure = articles.structure(request.param)
+    return reduction.of_modes(fixed_base(structure, COUNT), structure.rigid)
 
 
 def test_reduced_matrices_in_exudyn_have_our_frequencies_and_dynamic_mass(ours: Reduced) -> None:
