@@ -15,7 +15,8 @@ from geometry.sensors import Point
 from geometry.toml_file import nearest as keys_nearest
 from identification import campaign_file
 from identification.campaign import Campaign
-from validation.app.session import Compared, Session, digest, opened
+from validation.app.kept import Compared
+from validation.app.session import Session, digest, opened
 from validation.flexible.model import FlexibleOptions, flexible
 from validation.history.history import read_text
 from validation.model.model import BEAM

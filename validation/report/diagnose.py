@@ -28,8 +28,8 @@ from validation.effects.effect import evidence_threshold
 from validation.effects.practical_units import said, written_as
 from validation.estimation.evaluate import named, without
 from validation.history import add
-from validation.history.add import at_offsets, kept_offsets
-from validation.history.history import HistoryPosition, Version, history_position, is_worth_adding, reminded, undone
+from validation.history.history import HistoryPosition, Version, history_position, reminded, undone
+from validation.history.verdict import at_offsets, is_worth_adding, kept_offsets
 from validation.model import model_file
 from validation.model.model import Added, Model
 from validation.output import NONE, json_text, nats, odds, share_done, significant, stages, to_json, two_digits, with_unit

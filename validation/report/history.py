@@ -14,7 +14,8 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.toml_file import DECKS
 from identification.quality import NORMAL_90
 from validation.history import history
-from validation.history.history import SHOWN, Body, HistoryPosition, Version, VersionSize, is_worth_adding, percent
+from validation.history.history import SHOWN, Body, HistoryPosition, Version, VersionSize
+from validation.history.verdict import is_worth_adding, percent
 from validation.model import model_file, write_back
 from validation.output import (
     NONE,
@@ -299,7 +300,7 @@ def add(asked: "Options", effect: "AddedEffectOptions", *, as_json: bool) -> Non
     CheckFailed : a fit of the model as it was does not converge.
     """
     from validation.history.add import added, opened
-    from validation.history.history import sentence
+    from validation.history.verdict import sentence
 
     with stages(f"adding {effect.effect}", quiet=as_json) as told:
         study, known = opened(asked, effect, told)

@@ -546,7 +546,8 @@ def identified(
     ------
     OSError : a file cannot be read.
     """
-    from validation.history.add import body_of, conditions_of
+    from validation.history.add import conditions_of
+    from validation.history.verdict import body_of
 
     rung = None if at is None else at.rung
     if rung is not None and rung.errors is not None:

@@ -7,7 +7,8 @@ import pytest
 
 from geometry.errors import BadInput
 from validation.app import session
-from validation.app.session import begun, moved, opened
+from validation.app.kept import moved
+from validation.app.session import begun, opened
 from validation.model import model_file
 
 OWN = """

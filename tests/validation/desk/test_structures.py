@@ -14,8 +14,9 @@ from fem.damping import Damping
 from fem.user_model import reading
 from geometry.errors import BadInput
 from validation.app import options, panels, scene3d, session, whatif
+from validation.app.kept import Compared
 from validation.app.opening import faults, sorted_out
-from validation.app.session import Compared, Session, begun, opened
+from validation.app.session import Session, begun, opened
 from validation.prediction import dynamic_mass
 from validation.prediction.structure import by_itself
 from validation.report.charts import maps
