@@ -19,7 +19,7 @@ from validation.app.session import GIVEN, Progress
 from validation.classical import files as classical_files
 from validation.effects import catalogue
 from validation.identify.check import summary
-from validation.identify.identify import REDUCED
+from validation.identify.request import REDUCED
 from validation.model import model_file
 from validation.model.model import Model
 from validation.output import json_text

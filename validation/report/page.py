@@ -33,7 +33,7 @@ from validation.diagnose.diagnosis import Diagnosis
 from validation.effects.catalogue import SOURCES
 from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, STANDS_OUT
 from validation.history.history import Body, HistoryPosition, Source, digest, history_position
-from validation.identify.identify import REDUCED
+from validation.identify.request import REDUCED
 from validation.model.model import Model
 from validation.model.setups import FMD, above_fmd
 from validation.output import percent, require_ending, require_file, rounded, stages, to_json
