@@ -37,7 +37,7 @@ from validation.report.charts.figure import Figure
 from validation.report.charts.history import falling_errors, identified_inertia, way_to
 from validation.report.charts.interactive import escaped
 from validation.report.charts.spec import ACCEPTED, ALIKE, LESS, TOO_MUCH_LEFT, signed_log
-from validation.report.scenes import nodes
+from validation.report.scenes import motion
 from validation.report.scenes.turntable import Turn, Turntable
 
 
@@ -189,7 +189,7 @@ async def structure_shown(window: WindowState) -> None:
     article = "" if compared is None or state.kind == MASS else compared.map(campaign).configuration
     scored = await window.away(window.session.evidence, article) if article else {}
     coloured = [
-        {"title": f"Where {nodes.WORDS[kind]} would explain most", "value": FIRST_SCORE - k} for k, kind in enumerate(scored)
+        {"title": f"Where {motion.WORDS[kind]} would explain most", "value": FIRST_SCORE - k} for k, kind in enumerate(scored)
     ]
     state.modes = [{"title": "Structure and sensors", "value": AT_REST}, *coloured, *modes]
     if state.mode not in {one["value"] for one in state.modes}:
@@ -236,7 +236,7 @@ async def node(window: WindowState, at: dict[str, float]) -> None:
         state.node = None
     else:
         place = at_position(found.tolist())
-        every = ((kind.partition(":"), words) for kind, words in nodes.WORDS.items())
+        every = ((kind.partition(":"), words) for kind, words in motion.WORDS.items())
         tries = [{"id": ":".join(filter(None, (family, place, axis))), "title": words} for (family, _, axis), words in every]
         where = ", ".join(f"{1e3 * x:.4g}" for x in found)
         state.node = {"point": found.tolist(), "place": place, "words": f"Node at ({where}) mm", "tries": tries}

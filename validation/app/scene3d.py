@@ -27,8 +27,7 @@ from validation.prediction.structure import ReducedStructure
 from validation.prediction.structure_tests import StructurePrediction
 from validation.report.charts.functions import ShownPair
 from validation.report.flexible import Moved, moved_bodies
-from validation.report.scenes.motion import MovingBody, scale_of
-from validation.report.scenes.nodes import WORDS, Outline, marks
+from validation.report.scenes.motion import WORDS, MovingBody, Outline, marks, scale_of
 from validation.report.scenes.scene import DrawnBody, fitted
 from validation.report.scenes.setups import DrawnSensor, bodies_of, sensors_of
 from validation.report.scenes.turntable import DRIVE, FAILS, Turntable

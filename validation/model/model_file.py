@@ -1,6 +1,6 @@
 """From a model file to a `Model`: every key known, every size with its unit, every effect one of the catalogue.
 
-``docs/model-file.md`` shows the file, `validation.model.model_file` writes it.
+``docs/model-file.md`` shows the file.
 """
 
 import os
@@ -558,18 +558,15 @@ def draft(article: str, out: Path | None = None) -> Model:
         if article.split("+")[0] != KNOWN_FMD:
             problem = "a model file describes what stands on the FMD, which must be the lowest of the stack"
             raise BadInput(source=f"article {article}", problem=problem, remedy=f"Name {KNOWN_FMD}+{article}")
-        title = "the FMD alone" if article == KNOWN_FMD else f"{above_fmd(article)} on the FMD"
-        return _ordinary(article, title, out, {})
-    if is_model(article):
-        if not path.is_file():
-            raise BadInput(source=article, problem="there is no such file", remedy="Check the path")
+        title, own = "the FMD alone" if article == KNOWN_FMD else f"{above_fmd(article)} on the FMD", dict[str, str]()
     else:
-        path = require_file(article)
-    name = path.parent.resolve().name if path.name == DESCRIPTION else path.stem
-    return _ordinary(f"{KNOWN_FMD}+{name}", f"{name} on the FMD", out, {f"{KNOWN_FMD}+{name}": str(path)})
-
-
-def _ordinary(article: str, title: str, out: Path | None, own: dict[str, str]) -> Model:
+        if not is_model(article):
+            path = require_file(article)
+        elif not path.is_file():
+            raise BadInput(source=article, problem="there is no such file", remedy="Check the path")
+        name = path.parent.resolve().name if path.name == DESCRIPTION else path.stem
+        article, title = f"{KNOWN_FMD}+{name}", f"{name} on the FMD"
+        own = {article: str(path)}
     fmd_tolerance = Tolerances().fmd_inertia
     return Model(source=str(out or "model.toml"), title=title, article=article, fmd_tolerance=fmd_tolerance, own=own)
 

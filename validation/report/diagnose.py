@@ -35,11 +35,10 @@ from validation.report import document as doc
 from validation.report import history, parts
 from validation.report.charts import crosscheck
 from validation.report.charts.crosscheck import standing_of, tried
-from validation.report.climb import Progress, climb
 from validation.report.compare import correlation_tables, draw_channels
 from validation.report.document import NOTHING as EMPTY
-from validation.report.history import of_ladder
-from validation.report.scenes.nodes import NOTE, draw_nodes
+from validation.report.history import Progress, climb, of_ladder
+from validation.report.scenes.motion import NOTE, draw_nodes
 from validation.study import Options, Study, only_files
 
 EVIDENCE, ERRORS, EVERYWHERE = "diagnose-evidence.png", "diagnose-errors.png", "diagnose-everywhere.png"
