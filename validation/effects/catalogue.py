@@ -306,9 +306,7 @@ def parse(text: str, words: effect_types.Vocabulary | None = None, *, source: st
     return Named(family=family, targets=tuple(targets), values=values)
 
 
-def parse_all(
-    texts: Sequence[str], words: effect_types.Vocabulary | None = None, *, source: str = "--effect"
-) -> tuple[Named, ...]:
+def parse_all(texts: Sequence[str], words: effect_types.Vocabulary | None = None) -> tuple[Named, ...]:
     """The effects that `texts` name, each one once.
 
     Raises
@@ -317,10 +315,10 @@ def parse_all(
     """
     found: dict[str, Named] = {}
     for text in texts:
-        effect = parse(text, words, source=source)
+        effect = parse(text, words)
         if effect.id in found:
             problem = "is given twice"
-            raise BadInput(source=source, field=effect.id, problem=problem, remedy="Keep one of them, with the whole size")
+            raise BadInput(source="--effect", field=effect.id, problem=problem, remedy="Keep one of them, with the whole size")
         found[effect.id] = effect
     return tuple(found.values())
 

@@ -727,15 +727,15 @@ def shortened(text: str, longest: int) -> str:
     return text if len(text) <= longest else f"{text[:half]}…{text[-half:]}"
 
 
-def _cog_symbol(canvas: Canvas, place: Array, radius: float = COG_RADIUS) -> None:
+def _cog_symbol(canvas: Canvas, place: Array) -> None:
     """The circle with two black and two white quarters."""
     from matplotlib.patches import Circle, Wedge
 
     centre = (float(place[0]), float(place[1]))
-    canvas.add_patch(Circle(centre, radius + 2, facecolor=PAPER, edgecolor="none", zorder=5))
-    canvas.add_patch(Circle(centre, radius, facecolor=PAPER, edgecolor=INK, linewidth=1.4, zorder=5))
+    canvas.add_patch(Circle(centre, COG_RADIUS + 2, facecolor=PAPER, edgecolor="none", zorder=5))
+    canvas.add_patch(Circle(centre, COG_RADIUS, facecolor=PAPER, edgecolor=INK, linewidth=1.4, zorder=5))
     for start in (0, 180):
-        canvas.add_patch(Wedge(centre, radius, start, start + 90, facecolor="black", edgecolor="none", zorder=5))
+        canvas.add_patch(Wedge(centre, COG_RADIUS, start, start + 90, facecolor="black", edgecolor="none", zorder=5))
 
 
 def _write_figures(canvas: Canvas, contents: Sequence[Block], bodies: Sequence[DrawnBody]) -> None:

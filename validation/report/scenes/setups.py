@@ -423,7 +423,7 @@ CYCLES = 1.0
 """Of the animation, which runs in its own time and begins anew."""
 
 
-def draw_swing(found: Simulated, asked: ArticleOptions, folder: Path, *, animate: bool, about: str = "") -> list[Path]:
+def draw_swing(found: Simulated, asked: ArticleOptions, folder: Path, *, animate: bool) -> list[Path]:
     """Write the picture of `found` into `folder`, and the animation when asked for; say where they are.
 
     Raises
@@ -433,7 +433,7 @@ def draw_swing(found: Simulated, asked: ArticleOptions, folder: Path, *, animate
     swing = drawn_swing(found, asked)
     stem = file_name(f"swing-{found.record.setup.article}-{found.record.setup.axis}")
     picture = folder / f"{stem}.png"
-    pendulum_picture(swing, picture, about)
+    pendulum_picture(swing, picture)
     if not animate:
         return [picture]
     moving = folder / f"{stem}.gif"
