@@ -315,15 +315,11 @@ def modes_of_plan(plan: Plan, count: int = 30) -> Modes:
     BadInput : no mode asked for.
     CheckFailed : exudyn failed.
     """
-    _require_some(count)
+    if count < 1:
+        raise BadInput(source="modes", field="count", problem=f"at least one mode is needed, found {count}", remedy="Ask for 30")
     finer = refined(plan, 2)
     coarse, fine = (linearise(mesh, count + EXTRA) for mesh in (plan, finer))
     found = min(count, coarse.frequency.size)
     # A structure without loss factors has one ratio for every mode
     losses = stiffness_of(lossy(finer)) if finer.loss_factors else 2 * DEFAULT_RATIO * fine.stiffness
     return extrapolated(coarse, fine, losses, np.zeros(3), found)
-
-
-def _require_some(count: int) -> None:
-    if count < 1:
-        raise BadInput(source="modes", field="count", problem=f"at least one mode is needed, found {count}", remedy="Ask for 30")

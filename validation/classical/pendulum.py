@@ -121,11 +121,7 @@ def tensor_from_axes(
 
 def _nominal(values: Any) -> Array:
     array = np.asarray(values, dtype=object)
-    return np.array([_number(value) for value in array.ravel()]).reshape(array.shape)
-
-
-def _number(value: Any) -> float:
-    return float(getattr(value, "nominal_value", value))
+    return np.array([float(getattr(value, "nominal_value", value)) for value in array.ravel()]).reshape(array.shape)
 
 
 # What Eq. 5 and its sisters leave out, as named terms that can be switched one by one.

@@ -362,10 +362,7 @@ class League:
 
     def document(self) -> doc.Document:
         """The table."""
-        return doc.Document(title="Real tests that others made", blocks=(self._table(),), notes=tuple(self._notes()))
-
-    def _table(self) -> doc.Table:
-        return doc.Table(
+        table = doc.Table(
             caption="What was expected, what was said, and the plain error before and after",
             rows=self.results,
             columns=(
@@ -376,10 +373,8 @@ class League:
                 doc.Column("expected, and said", lambda one: f"{one.entry.expected}. Said: {one.said}", words=True),
             ),
         )
-
-    def _notes(self) -> Iterator[str]:
-        if self.absent:
-            yield f"Not here: {', '.join(self.absent)}. Name the folder of the data with --data or MASSLINE_DATA."
+        absent = f"Not here: {', '.join(self.absent)}. Name the folder of the data with --data or MASSLINE_DATA."
+        return doc.Document(title="Real tests that others made", blocks=(table,), notes=(absent,) if self.absent else ())
 
 
 def league_answer(folder: Path, data: Path, names: tuple[str, ...], *, as_json: bool) -> None:
