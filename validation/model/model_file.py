@@ -90,7 +90,7 @@ def as_number(table: Fields, key: str, *, low: float = -LARGEST, high: float = L
     return checked(table, key, table.table[key], low=low, high=high, above=above)
 
 
-def three(table: Fields, key: str, *, low: float = -LARGEST, high: float = LARGEST, above: bool = False) -> list[float]:
+def three(table: Fields, key: str, *, low: float, high: float) -> list[float]:
     """Three numbers under `key`, each as `number` has it.
 
     Raises
@@ -101,7 +101,7 @@ def three(table: Fields, key: str, *, low: float = -LARGEST, high: float = LARGE
     if not isinstance(value, list) or len(value) != 3:
         problem = "is missing" if value is None else f"three numbers are expected, found {value!r}"
         raise table.refused(key, problem, "Write [x, y, z]")
-    return [checked(table, key, one, low=low, high=high, above=above) for one in value]
+    return [checked(table, key, one, low=low, high=high) for one in value]
 
 
 def checked(table: Fields, key: str, value: object, *, low: float, high: float, above: bool = False) -> float:
@@ -193,13 +193,10 @@ def _written(entry: Fields, key: str) -> str:
     value = entry.table.get(key, "")
     if isinstance(value, str):
         return value
+    typed = partial(checked, entry, key, low=-LARGEST, high=LARGEST)
     if isinstance(value, dict):
-        return ",".join(f"{inner}:{_typed(entry, key, one)}" for inner, one in value.items())
-    return _typed(entry, key, value)
-
-
-def _typed(entry: Fields, key: str, value: object) -> str:
-    return repr(checked(entry, key, value, low=-LARGEST, high=LARGEST))
+        return ",".join(f"{inner}:{typed(one)!r}" for inner, one in value.items())
+    return repr(typed(value))
 
 
 def _deviation(entry: Fields, named: Named) -> Mapping[str, float]:
