@@ -38,7 +38,7 @@ def write(path: Path, of: Any) -> None:
     Raises
     ------
     OSError : it cannot be written.
-    TypeError : something in it is neither an array nor known to JSON.
+    AttributeError : something in it is neither an array nor known to JSON.
     """
     arrays: dict[str, Any] = {}
 
@@ -55,7 +55,8 @@ def write(path: Path, of: Any) -> None:
             return [parted(each, f"{place}.{k}") for k, each in enumerate(one)]
         return one
 
-    arrays[WORDS] = np.frombuffer(json.dumps(parted(of, "")).encode(), dtype=np.uint8)
+    text = json.dumps(parted(of, ""), default=lambda one: one.item())  # a number of NumPy
+    arrays[WORDS] = np.frombuffer(text.encode(), dtype=np.uint8)
     write_with(path, lambda temporary: np.savez(temporary, allow_pickle=False, **arrays))
 
 
