@@ -14,7 +14,7 @@ import filecmp
 import json
 import shutil
 import zlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from hashlib import sha256
@@ -51,9 +51,7 @@ from validation.prediction.structure import mounted_article
 from validation.report import compare, diagnose, page
 from validation.report.history import of_step
 from validation.report.parts import Provenance
-from validation.study import Data, Options, Study, is_test, read_data, read_tests, require_band
-
-Progress = Callable[[str, float], None]
+from validation.study import Data, Options, Progress, Study, is_test, read_data, read_tests, require_band
 
 FORMAT, SPECTRA_FORMAT = 1, 3
 STATE, VIEW = "desk.json", "view.json"

@@ -20,6 +20,7 @@ from secrets import token_hex
 from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
+from geometry.dynamic_mass import SIGNS
 from geometry.errors import BadInput, CheckFailed
 from validation.app import curves, options, panels, state, transfer, workers
 from validation.app.opening import EXAMPLES, LARGEST, MOST, Handed
@@ -27,7 +28,7 @@ from validation.app.options import DOOR_SECRET, NEVER_KEPT, StartOptions
 from validation.app.server import same
 from validation.app.state import WindowState, keep
 from validation.output import from_json
-from validation.report.charts.maps import LOADS, MOTIONS, SIGNS, entry
+from validation.report.charts.maps import LOADS, MOTIONS, entry
 from validation.report.charts.style import unit
 from validation.study import Options
 

@@ -24,9 +24,7 @@ from validation.model import model_file
 from validation.model.model import Added, Model
 from validation.prediction import effects
 from validation.prediction.classical_facts import require_bodies
-from validation.study import Options, Study, read_data, require_band
-
-Progress = Callable[[str, float], None]
+from validation.study import Options, Progress, Study, read_data, require_band
 
 # Where the fit of an effect begins that no fit finds from afar: a resonator by its frequency, a part by its modulus.
 #

@@ -14,7 +14,7 @@ from fem.user_model import examine, reading
 from geometry import toml_file
 from geometry.articles import NAMES
 from geometry.atomic import write_folder
-from geometry.dynamic_mass import MOTIONS
+from geometry.dynamic_mass import MOTIONS, SIGNS
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.sensors import AXES as DIRECTIONS
@@ -36,8 +36,7 @@ if TYPE_CHECKING:
     from validation.correct import AppliedCorrection
 
 
-AXES = ("x", "y", "z", "α", "β", "γ")
-LEVEL_UNITS = ("m/s²", "m/s²", "m/s²", "rad/s²", "rad/s²", "rad/s²")
+LEVEL_UNITS = 3 * ("m/s²",) + 3 * ("rad/s²",)
 
 
 def title(summary: Summary) -> str:
@@ -116,7 +115,7 @@ def _runs(campaign: Campaign, summary: Summary) -> Iterator[Grid]:
     header = ("run", "file", "axis", "rate or lines", "length", "driven for", "excitation")
     yield Grid(header=header, lines=tuple(runs), words=True)
     if summary.levels:
-        units = (f"{axis} [{unit}]" for axis, unit in zip(AXES, LEVEL_UNITS, strict=True))
+        units = (f"{axis} [{unit}]" for axis, unit in zip(SIGNS, LEVEL_UNITS, strict=True))
         yield Grid(header=("level realised", "asked", *units), lines=tuple(levels))
 
 

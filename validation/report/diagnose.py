@@ -37,9 +37,9 @@ from validation.report.charts import crosscheck
 from validation.report.charts.crosscheck import standing_of, tried
 from validation.report.compare import correlation_tables, draw_channels
 from validation.report.document import NOTHING as EMPTY
-from validation.report.history import Progress, climb, of_ladder
+from validation.report.history import climb, of_ladder
 from validation.report.scenes.motion import NOTE, draw_nodes
-from validation.study import Options, Study, only_files
+from validation.study import Options, Progress, Study, only_files
 
 EVIDENCE, ERRORS, EVERYWHERE = "diagnose-evidence.png", "diagnose-errors.png", "diagnose-everywhere.png"
 EVIDENCE_NOTE = (

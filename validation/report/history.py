@@ -42,7 +42,7 @@ from validation.report.charts import history as charts
 from validation.report.document import PAGE, TERMINAL, Block, Column, Document, Drawn, Figures, Grid, Safe, Table, aligned
 from validation.report.parts import Report, error_figures, error_lines, paragraphs, section
 from validation.report.parts import notes as parts_notes
-from validation.study import Options, Study
+from validation.study import Options, Progress, Study
 
 if TYPE_CHECKING:
     from validation.history.add import AddedEffectOptions
@@ -466,7 +466,6 @@ NOT_WORTH = "{effect} is not worth a parameter by the ladder's figures: the mode
 NO_MORE = "what was found is in the model already"
 TOO_LONG = "{rounds} diagnoses in a row found something: look at the ladder before going on"
 
-Progress = Callable[[str, float], None]
 Diagnose = Callable[[Study], results.Diagnosis]
 
 

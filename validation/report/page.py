@@ -46,7 +46,7 @@ from validation.report.document import Column, Figures, Safe, joined, plus_minus
 from validation.report.identify import campaign_part
 from validation.report.parts import ArticlePart, CampaignPart, Provenance, Report, head_html, requirements_html, section, verdict
 from validation.report.reference import article_part
-from validation.study import Data, Options, Study
+from validation.study import Data, Options, Progress, Study
 
 # Where everything comes from: versions, settings, inputs with their digests, the model, and the command line.
 
@@ -251,8 +251,6 @@ ALLOWED = "; ".join(
     )
 )
 """What the page may load: itself. A browser refuses it everything else, whatever stands in it."""
-
-Progress = Callable[[str, float], None]
 
 
 def write(report: Report, path: Path, progress: Progress | None = None) -> None:

@@ -15,7 +15,7 @@ from fem.mesh.places import Elements
 from fem.structure import Structure
 from geometry.atomic import write_with
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen
+from geometry.frames import Array, Integers, frozen
 from validation.diagnose.everywhere import MASS, RESONATOR, NodeScores
 from validation.report.charts.spec import FAINT, INK
 from validation.report.charts.static import ABOUT, require_format, save
@@ -27,8 +27,6 @@ CREASE = 30.0
 
 PASSES = 10
 """Of halving at most: a plate of one metre comes down to a millimetre."""
-
-Integers = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
