@@ -53,7 +53,7 @@ WORKBENCH = """
 import asyncio, json, sys, time
 from pathlib import Path
 from types import SimpleNamespace
-from validation.app import panels, session, whatif
+from validation.app import curves, panels, session, whatif
 from validation.app.options import StartOptions
 from validation.app.state import WindowState
 from validation.app.window import first_state
@@ -79,8 +79,8 @@ if sys.argv[2] == "slider":
     table, taken = whatif.table(desk), []
     for size in (0.01, 0.02, 0.03, 0.04, 0.05, 0.06):
         began = time.process_time()
-        window.tried = whatif.what_if(table, f"force-gain:fmd-z2={size}", 2, 2, exact=False)
-        asyncio.run(panels.drawn(window))
+        window.tried = whatif.what_if(table, f"force-gain:fmd-z2={size}", exact=False)
+        asyncio.run(curves.drawn(window))
         taken.append(time.process_time() - began)
 print(json.dumps(sorted(taken)[len(taken) // 2]))
 """

@@ -35,8 +35,6 @@ PLACES = (0.5, 0.52, 0.54)
 MOST = 4
 """Targets of a family that are tried."""
 
-ENTRY = (4, 4)
-
 BASE = "one full prediction"
 
 
@@ -54,7 +52,7 @@ def drags(of: ReadyPredictions, effect: TrialEffect) -> list[float]:
     for place in PLACES:
         began = perf_counter()
         try:
-            what_if(of, effect.written({one.key: at(one, place) for one in effect.sliders}), *ENTRY, exact=False)
+            what_if(of, effect.written({one.key: at(one, place) for one in effect.sliders}), exact=False)
         except (BadInput, CheckFailed):
             return []
         taken.append(perf_counter() - began)

@@ -14,18 +14,19 @@ distance a_i from the wheel's axle, and through the CoG: ``x sin β + z cos β =
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import combinations
 from pathlib import Path
 
 import click
 from numpy import pi
 from rich.table import Table
-from uncertainties import UFloat, umath
+from uncertainties import UFloat, nominal_value, umath
 
+from geometry.errors import BadInput
 from geometry.toml_file import tagged
 from validation.classical.pendulum import (
-    PLANAR,
     compound_pendulum,
-    meeting_point,
     rod_inertia,
     tensor_from_axes,
     torsion_pendulum,
@@ -37,6 +38,12 @@ from validation.reference.statement import add_figures
 BICYCLES = ("Browser", "Fisher", "Pista", "Yellow")
 HANGINGS = ("1", "2", "3")
 HEADINGS = ("computed", "tolerance", "published", "tolerance", "deviation\n/ tolerance")
+
+PLANAR = ("xx", "zz", "xz")
+"""What pendulums about axes in the plane of symmetry xz see of the tensor."""
+
+PARALLEL = 1e-3
+"""Sine of the angle between two plumb lines below which their intersection says nothing."""
 
 Quantities = dict[str, UFloat]
 
@@ -77,6 +84,39 @@ def _wheel(m: Quantities, wheel: str) -> Quantities:
     swing = {"mass": m[f"m{wheel}"], "gravity": m["g"], "arm": m[f"l{wheel}"], "period": m[f"Tc{wheel}1"]}
     across = torsion_pendulum(stiffness=m["k"], period=m[f"Tt{wheel}1"])
     return {f"I{wheel}xx": across, f"I{wheel}yy": compound_pendulum(**swing)}
+
+
+def meeting_point(normals: Sequence[tuple[UFloat, UFloat]], offsets: Sequence[UFloat]) -> tuple[UFloat, UFloat]:
+    """Where plumb lines ``n · p = offset`` of a plane meet: the mean of all their pairwise intersections.
+
+    Parameters
+    ----------
+    normals : (n, 2), unit normals of the lines, numbers or quantities
+    offsets : (n,) [m], signed distances of the lines from the origin of the plane
+
+    Three lines with reading errors form a triangle; its corners are averaged. That is what the published bicycle data use; a
+    least-squares fit to the lines gives another point, a few millimetres away when the lines are poorly crossed.
+
+    Raises
+    ------
+    BadInput : fewer than two lines, or two of them nearly parallel.
+    """
+    lines = list(zip(normals, offsets, strict=True))
+    if len(lines) < 2:
+        problem = f"at least two plumb lines must cross, found {len(lines)}"
+        raise BadInput(
+            source="plumb lines", field="orientations", problem=problem, remedy="Hang the body in another orientation too"
+        )
+    corners = []
+    for (n, c), (m, d) in combinations(lines, 2):
+        determinant = n[0] * m[1] - n[1] * m[0]
+        if abs(nominal_value(determinant)) < PARALLEL:
+            problem = "two plumb lines are parallel within 0.06 deg"
+            remedy = "Hang the body in a clearly different orientation"
+            raise BadInput(source="plumb lines", field="orientations", problem=problem, remedy=remedy)
+        corners.append(((c * m[1] - d * n[1]) / determinant, (n[0] * d - m[0] * c) / determinant))
+    x, z = (sum(corner[i] for corner in corners) / len(corners) for i in (0, 1))
+    return x, z
 
 
 def _frame_or_fork(m: Quantities, body: str) -> Quantities:

@@ -20,6 +20,7 @@ import numpy as np
 from geometry import routes
 from geometry.article import Article
 from geometry.articles import NAMES, SETUPS, built_in
+from geometry.errors import BadInput
 from validation.classical.swing import Setup, Words, setup, simulated
 from validation.excite.question import Attached, ExciteOptions, drive
 from validation.excite.runs import ready
@@ -28,16 +29,22 @@ from validation.flexible.model import FlexibleOptions, flexible
 from validation.output import inertia_json
 from validation.reference.reference import ArticleOptions as Unchanged
 from validation.report.charts.excitation import draw_sheet as draw_driven
+from validation.report.charts.static import ABOUT, save
 from validation.report.charts.style import DynamicMassCurve, side_by_side
 from validation.report.excite import RunPicture
 from validation.report.flexible import draw_sheet, note_on
-from validation.report.scenes.scene import contact_sheet, drawn_bodies, picture
+from validation.report.scenes.scene import drawn_bodies, picture
 from validation.report.scenes.setups import drawn_swing, pendulum_picture
 
 SIDE_BY_SIDE = {"disc+cuboid": "Cuboid on its disc", "clumod-1": "Clumod, one blade", "clumod-4": "Clumod, four blades"}
 
 ON_THE_SHEET = ("cuboid", "disc", "fmd", "clumod-1", "clumod-4", "fmd+disc+cuboid")
 
+
+COLUMNS = 2
+TILE = (800, 600)
+COLOURS = 255
+"""A PNG sheet keeps so many colours, spread over all that occur: a third of the size, and no difference to the eye."""
 
 DEFAULTS = (Path("out/pictures"), Path("docs/pictures/articles.png"))
 
@@ -50,6 +57,39 @@ def main(folder: Path, sheet: Path, names: Sequence[str] = (*NAMES, *SETUPS)) ->
     shown = [name for name in ON_THE_SHEET if name in names]
     about = json.dumps({name: figures(built_in(name)) for name in shown})
     contact_sheet([folder / f"{name}.png" for name in shown], sheet, about)
+
+
+def contact_sheet(paths: Sequence[Path], path: Path, about: str = "") -> None:
+    """Put the pictures at `paths` on one sheet, two abreast, in their order; the ending of `path` chooses PNG or JPEG.
+
+    A PNG carries the words `about`, which `validation.report.charts.static.said_about` reads again.
+
+    Raises
+    ------
+    BadInput : no picture, a file that is none, or an unknown ending of `path`.
+    """
+    from PIL import Image
+    from PIL.PngImagePlugin import PngInfo
+
+    if not paths:
+        raise BadInput(source=str(path), field="paths", problem="no picture was given", remedy="Give at least one")
+    rows = -(-len(paths) // COLUMNS)
+    sheet = Image.new("RGB", (COLUMNS * TILE[0], rows * TILE[1]), "white")
+    for index, tile in enumerate(paths):
+        row, column = divmod(index, COLUMNS)
+        try:
+            with Image.open(tile) as image:
+                sheet.paste(image.convert("RGB").resize(TILE, Image.Resampling.LANCZOS), (column * TILE[0], row * TILE[1]))
+        except OSError as error:
+            problem = f"this is no picture that can be read ({error})"
+            raise BadInput(source=str(tile), problem=problem, remedy="Draw it again") from None
+    octree, plain = Image.Quantize.FASTOCTREE, Image.Dither.NONE
+    finished = sheet.quantize(COLOURS, method=octree, dither=plain) if path.suffix == ".png" else sheet
+    more: dict[str, Any] = {}
+    if path.suffix == ".png" and about:
+        more["pnginfo"] = PngInfo()
+        more["pnginfo"].add_text(ABOUT, about)
+    save(path, lambda temporary: finished.save(temporary, optimize=True, **more))
 
 
 def flexible_bodies(folder: Path) -> None:

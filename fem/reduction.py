@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from fem.damping import Damping
 from fem.factorisers import factorise
-from fem.modes import Modes, fixed_base
-from fem.structure import Sparse, Structure
+from fem.modes import Modes
+from fem.structure import Sparse
 from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.frames import Array, freeze
 
@@ -46,18 +45,6 @@ class Reduced:
         """Displacement of all degrees of freedom (N, ...) from the reduced coordinates (6 + n, ...)."""
         displacement: Array | ComplexArray = self.basis @ coordinates
         return displacement
-
-
-def craig_bampton(
-    structure: Structure, count: int = 30, *, damping: Damping | None = None, factoriser: str | None = None
-) -> Reduced:
-    """`structure` on the six motions of its base and its `count` lowest fixed-base modes.
-
-    Raises
-    ------
-    BadInput, CheckFailed : as `fem.modes.fixed_base`.
-    """
-    return of_modes(fixed_base(structure, count, damping=damping, factoriser=factoriser), structure.rigid)
 
 
 def of_modes(modes: Modes, rigid: Array) -> Reduced:

@@ -19,6 +19,9 @@ ComplexArray = npt.NDArray[np.complex128]
 MOTIONS = ("x", "y", "z", "alpha", "beta", "gamma")
 """Order of base motions (columns) and of interface loads (rows: forces along x, y, z and moments about them)."""
 
+SIGNS = ("x", "y", "z", "α", "β", "γ")
+"""The same as pages write them."""
+
 LEVELS: Mapping[str, float] = MappingProxyType(dict(zip(MOTIONS, (2.5, 2.5, 2.5, 3.0, 3.0, 6.0), strict=True)))
 """Nominal acceleration of the base in the paper's sweeps, by axis in the order of `MOTIONS` [m/s², rad/s²] (paper, section 4)."""
 

@@ -23,7 +23,7 @@ import numpy as np
 from geometry.article import Article, Box, Cylinder, Placed
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose, frozen
-from geometry.inertia import PARAMETERS, UNITS, Inertia, Kind, judge, parallel_axis, require_physical, six_from_tensor
+from geometry.inertia import PARAMETERS, UNITS, Inertia, Kind, judge, parallel_axis, six_from_tensor
 from geometry.mesh import DEFAULT_CHORD, TriangleMesh
 
 # Do inertias that were found by different routes agree, and what were they allowed to differ by?
@@ -218,19 +218,6 @@ def by_pinocchio(article: Article) -> Inertia:
         bodies = [_body(solid, density) for solid in part.shape.solids] + [_body(void, -density) for void in part.shape.voids]
         parts.append(_se3(part.pose).act(_sum(bodies)))
     return from_pinocchio(_sum(parts))
-
-
-def to_pinocchio(inertia: Inertia, source: str = "inertia") -> PinocchioInertia:
-    """`inertia` as a `pinocchio.Inertia` about the body frame's origin.
-
-    Raises
-    ------
-    BadInput : no body has these parameters. Pinocchio itself would take them silently.
-    """
-    import pinocchio
-
-    body = require_physical(inertia, source)
-    return pinocchio.Inertia(body.mass, body.cog.copy(), body.tensor_cog)
 
 
 def from_pinocchio(body: PinocchioInertia) -> Inertia:

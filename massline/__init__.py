@@ -29,7 +29,8 @@ from validation.diagnose.diagnosis import Diagnosis as Found
 from validation.diagnose.fleet import diagnosed_each
 from validation.history.add import AddedEffectOptions, added
 from validation.history.history import undone
-from validation.identify.identify import IdentifyOptions, identified
+from validation.identify.identify import identified
+from validation.identify.request import IdentifyOptions
 from validation.model import model_file
 from validation.model.model import Model
 from validation.study import Options
@@ -152,7 +153,7 @@ def undo(study: Study) -> Study:
 def identify(campaign: str | Path, **options: Any) -> Identification:
     """Mass, centre of gravity and inertia from the folder of a `campaign`, with intervals.
 
-    `options` are those of `validation.identify.identify.IdentifyOptions`: ``tares``, ``known``, ``band``, ...
+    `options` are those of `validation.identify.request.IdentifyOptions`: ``tares``, ``known``, ``band``, ...
 
     Raises
     ------

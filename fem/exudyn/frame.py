@@ -1,4 +1,4 @@
-"""An article in exudyn: a frame made of exudyn's own items, or the full matrices of a solid as its flexible body.
+"""An article in exudyn: a frame made of exudyn's own items.
 
 What there is comes from a `fem.beam.frame.Plan` - places, sections, rigid bodies, who rides on whom - and none of our matrices.
 The beams are exudyn's `ObjectBeamGeometricallyExact`, two nodes and interpolated on SE(3): constant strain, which does not lock
@@ -26,10 +26,7 @@ import numpy as np
 
 from fem.beam.elements import Sandwich, Section
 from fem.beam.frame import Member, Plan, Ports
-from fem.exudyn.run import ORDER_OF_SIX, finite, running
-from fem.reduction import static_shapes
-from fem.structure import Sparse, Structure, restricted
-from geometry.errors import BadInput
+from fem.exudyn.run import ORDER_OF_SIX
 from geometry.frames import Array, freeze
 from geometry.inertia import Inertia, judge
 
@@ -323,114 +320,3 @@ def refined(plan: Plan, pieces: int) -> Plan:
             chain.append(b)
         members.append(replace(member, nodes=tuple(chain)))
     return replace(plan, nodes=np.array(nodes), carriers=tuple(carriers), members=tuple(members))
-
-
-# A solid as exudyn's flexible body: floating frame of reference, modes by Hurty, Craig and Bampton.
-#
-# Full sparse stiffness and mass go into exudyn's `FEMinterface`; the modes are found there with all held nodes as one rigid
-# interface, which is the body's frame. `ObjectFFRFreducedOrder` then moves it through any motion however large, and exudyn's
-# linearisation of that body on its frame gives frequencies and dynamic mass. The static answers to six accelerations of the base
-# stand beside the modes as further ones (`fem.reduction.static_shapes`).
-
-LARGEST = 100_000
-"""Degrees of freedom beyond which exudyn's factorisations, three by SuperLU, take hours and the memory of a large machine."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Flight:
-    """How a free body sets off: `velocity` (3,) [m/s] of its frame and `angular_velocity` (3,) [rad/s], undeformed."""
-
-    velocity: Array
-    angular_velocity: Array
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class FloatingFrame:
-    """A flexible body in exudyn.
-
-    Attributes
-    ----------
-    container : owns `system`, which dies with it
-    system : exudyn's `MainSystem`, assembled: the body alone, free
-    node : number of its frame's node; its coordinates come first, then those of the modes
-    frame_coordinates : six with angles, which are good for small motions; seven with Euler parameters, which turn anywhere
-    modes : (3 p, m) what the modes do to the points, x, y, z of one after the other
-    eigenvalues : (k,) [(rad/s)²] that exudyn found for the full matrices, ascending
-    """
-
-    container: Any
-    system: Any
-    node: int
-    frame_coordinates: int
-    modes: Array
-    eigenvalues: Array
-
-
-def by_points(structure: Structure, matrix: Sparse) -> Sparse:
-    """A `matrix` (n, n) of a solid `structure`, ordered point by point as exudyn's flexible body has it."""
-    order = structure.translations.ravel()
-    return matrix.tocsr()[order][:, order]
-
-
-def floating_frame(structure: Structure, count: int, *, flight: Flight | None = None) -> FloatingFrame:
-    """`structure` as exudyn's flexible body with `count` modes of its held base and the static answers of the others.
-
-    Its frame is the base, at the structure's reference point. Without a `flight` it is at rest and ready to be linearised: angles
-    about x, y, z, that about y short of a right angle. With one it sets off, turns by Euler parameters and as far as it likes.
-
-    Raises
-    ------
-    BadInput : a structure with rotations, with a base that does not hold whole nodes (exudyn's body is made of solids), or with
-        more than `LARGEST` degrees of freedom.
-    CheckFailed : exudyn failed.
-    """
-    order, n = structure.translations.ravel(), structure.mass.shape[0]
-    held, moving = np.isin(structure.translations, structure.held), np.unique(order).size
-    wrong = ""
-    if order.size != n or moving != n:
-        wrong = f"{n} degrees of freedom, of which {moving} move points"
-    elif np.any(held.any(axis=1) != held.all(axis=1)):
-        wrong = "a point that is held in some directions only"
-    if wrong or n > LARGEST:
-        whole = "every degree of freedom must move a point along x, y or z, and held points must be held wholly"
-        large = f"exudyn factorises full matrices up to {LARGEST} degrees of freedom here, found {n}"
-        raise BadInput(
-            source="exudyn's flexible body",
-            field="translations" if wrong else "mass",
-            problem=f"{whole}; found {wrong}" if wrong else large,
-            remedy=f"Use a {'solid model' if wrong else 'coarser mesh'}, or exudyn's native beams",
-        )
-    with running("make a flexible body of the solid") as exudyn:
-        from exudyn import FEM
-
-        tools: Any = FEM
-        solid = tools.FEMinterface()
-        solid.nodes = {"Position": structure.points - structure.reference_point}
-        solid.massMatrix, solid.stiffnessMatrix = (by_points(structure, one) for one in (structure.mass, structure.stiffness))
-        base = np.flatnonzero(held.all(axis=1)).tolist()
-        solid.ComputeHurtyCraigBamptonModes([base], nEigenModes=count, computationMode=tools.HCBstaticModeSelection.RBE2)
-        ascending = np.argsort(solid.eigenValues)
-        modes = finite(solid.modeBasis["matrix"][:, ascending], "find the modes of the solid")
-        free = np.flatnonzero(np.isin(order, structure.free))
-        M, K = (restricted(matrix, free) for matrix in (solid.massMatrix, solid.stiffnessMatrix))
-        static = static_shapes(K, M, (solid.massMatrix @ structure.rigid[order])[free], modes[free])
-        beside = np.zeros((n, static.shape[1]))
-        beside[free] = static
-        solid.modeBasis["matrix"] = np.hstack([modes, beside])
-        container = exudyn.SystemContainer()
-        system, kinds = container.AddSystem(), exudyn.NodeType
-        kind, velocities = kinds.RotationRxyz, {}
-        if flight is not None:
-            kind, velocities = kinds.RotationEulerParameters, {"initialVelocity": flight.velocity.tolist()}
-            velocities["initialAngularVelocity"] = flight.angular_velocity.tolist()
-        body = tools.ObjectFFRFreducedOrderInterface(solid, rigidBodyNodeType=kind)
-        made = body.AddObjectFFRFreducedOrder(system, **velocities)
-        system.Assemble()
-    return FloatingFrame(
-        container=container,
-        system=system,
-        node=int(made["nRigidBody"]),
-        frame_coordinates=6 if flight is None else 7,
-        modes=solid.modeBasis["matrix"],
-        eigenvalues=solid.eigenValues[ascending],
-    )

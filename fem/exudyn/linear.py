@@ -11,13 +11,10 @@ from fem.beam import articles
 from fem.beam.articles import Joint
 from fem.beam.frame import Plan
 from fem.damping import DEFAULT_RATIO
-from fem.dynamic_mass import LINES, modal
-from fem.exudyn import frame
-from fem.exudyn.frame import lossy, refined
+from fem.exudyn.frame import build, lossy, refined
 from fem.exudyn.run import failed, finite, running
 from fem.modes import Condensed, Modes
-from fem.structure import Structure, rigid_motion
-from geometry.dynamic_mass import DynamicMass
+from fem.structure import rigid_motion
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers, freeze
 
@@ -93,7 +90,7 @@ def linearise(plan: Plan, count: int) -> Linearised:
     """
     task = "linearise the frame"
     with running(task) as exudyn:
-        free = frame.build(exudyn, plan, held=False)
+        free = build(exudyn, plan, held=False)
         mass, stiffness, _damping, *rest = free.system.ComputeLinearizedSystem(returnConstraintJacobian=True)
     n = 6 * len(free.points)
     constraints = rest[0] if rest else np.zeros((n, 0))
@@ -101,7 +98,7 @@ def linearise(plan: Plan, count: int) -> Linearised:
     if plan.members or plan.ports:  # a body without has nothing that swings, and exudyn would be left without an equation
         task = "solve for the eigenfrequencies"
         with running(task) as exudyn:  # the base held by a joint
-            held = frame.build(exudyn, plan, held=True)
+            held = build(exudyn, plan, held=True)
             squares, found = held.system.ComputeODE2Eigenvalues(numberOfEigenvalues=count, useAbsoluteValues=False)
         frequency, shapes = _frequencies(squares, task), finite(found, task)
         task = "linearise the frame"
@@ -154,7 +151,7 @@ def stiffness_of(plan: Plan) -> Array:
     """
     task = "linearise the lossy frame"
     with running(task) as exudyn:
-        return finite(frame.build(exudyn, plan, held=False).system.ComputeLinearizedSystem()[1], task)
+        return finite(build(exudyn, plan, held=False).system.ComputeLinearizedSystem()[1], task)
 
 
 def _frequencies(squares: npt.ArrayLike, task: str) -> Array:
@@ -272,11 +269,10 @@ def _symmetric(matrix: Array) -> Array:
     return np.asarray((matrix + matrix.T) / 2)
 
 
-# Eigenfrequencies and dynamic mass by exudyn: from native beams for the built-in articles, from full matrices for any solid.
+# Eigenfrequencies by exudyn, from native beams for the built-in articles.
 #
-# The native beams, ``--model exudyn``, take from `fem.beam.articles` where things are and what their sections are, and nothing of
-# its elements or eigen-solution. `modes_of_solid` gives exudyn a solid's full sparse matrices: exudyn solves, the elements are
-# ours.
+# The beams, ``--model exudyn``, take from `fem.beam.articles` where things are and what their sections are, and nothing of its
+# elements or eigen-solution.
 
 ELEMENTS = 8
 """In a half-blade of the coarser of both meshes: the first 11 modes of Clumod are then known to 3e-5."""
@@ -311,27 +307,6 @@ def modes(
     return modes_of_plan(articles.article_plan(article_name, changes, elements=elements, cells=cells, joints=joints), count)
 
 
-def dynamic_mass(
-    article_name: str,
-    frequency: npt.ArrayLike = LINES,
-    changes: Mapping[str, float] = articles.NO_CHANGES,
-    *,
-    count: int = 30,
-    elements: int = ELEMENTS,
-    cells: npt.ArrayLike | None = None,
-    joints: Sequence[Joint] = (),
-) -> DynamicMass:
-    """Blocked dynamic mass at `frequency` (n,) [Hz] about the article's origin, from exudyn's linearised, base-driven system.
-
-    Its modes are those of `modes`, with the static share of all others.
-
-    Raises
-    ------
-    BadInput, CheckFailed : as `modes`.
-    """
-    return modal(modes(article_name, count, changes, elements=elements, cells=cells, joints=joints), frequency)
-
-
 def modes_of_plan(plan: Plan, count: int = 30) -> Modes:
     """The lowest `count` fixed-base modes of the frame `plan` about its origin, extrapolated from its mesh and one twice as fine.
 
@@ -340,76 +315,11 @@ def modes_of_plan(plan: Plan, count: int = 30) -> Modes:
     BadInput : no mode asked for.
     CheckFailed : exudyn failed.
     """
-    _require_some(count)
+    if count < 1:
+        raise BadInput(source="modes", field="count", problem=f"at least one mode is needed, found {count}", remedy="Ask for 30")
     finer = refined(plan, 2)
     coarse, fine = (linearise(mesh, count + EXTRA) for mesh in (plan, finer))
     found = min(count, coarse.frequency.size)
     # A structure without loss factors has one ratio for every mode
     losses = stiffness_of(lossy(finer)) if finer.loss_factors else 2 * DEFAULT_RATIO * fine.stiffness
     return extrapolated(coarse, fine, losses, np.zeros(3), found)
-
-
-def modes_of_solid(structure: Structure, count: int = 30) -> Modes:
-    """The lowest `count` fixed-base modes of a solid: exudyn solves its full K and M and linearises its flexible body.
-
-    Raises
-    ------
-    BadInput : a structure that is no solid, no mode asked for.
-    CheckFailed : exudyn failed.
-    """
-    _require_some(count)
-    body = frame.floating_frame(structure, count)
-    system = linearise_body(body.system, count)
-    losses = 2 * DEFAULT_RATIO * system.stiffness
-    if structure.loss_factors and structure.part_stiffness:
-        losses = np.zeros_like(system.stiffness)
-        for part, eta in structure.loss_factors.items():
-            K = frame.by_points(structure, structure.part_stiffness[part])
-            losses[BASE:, BASE:] += eta * (body.modes.T @ (K @ body.modes))
-    return extrapolated(None, system, losses, structure.reference_point, count)
-
-
-def _require_some(count: int) -> None:
-    if count < 1:
-        raise BadInput(source="modes", field="count", problem=f"at least one mode is needed, found {count}", remedy="Ask for 30")
-
-
-# Plumbing: our reduced matrices put into exudyn as they are.
-#
-# Six rigid motions of the base come first, fixed-base modes after them, as Craig and Bampton order them. Exudyn adds nothing but
-# its own reading of them, so that agreement says that they arrived - not that they are right. It is how a reduced article gets
-# into a larger multibody system.
-
-
-def placed(stiffness: npt.ArrayLike, mass: npt.ArrayLike, damping: npt.ArrayLike | None = None) -> tuple[Any, MainSystem]:
-    """Exudyn's container and assembled system with one `ObjectGenericODE2` of these (6 + n, 6 + n) matrices, the base free.
-
-    Raises
-    ------
-    CheckFailed : exudyn refused them.
-    """
-    K, M = np.asarray(stiffness, dtype=np.float64), np.asarray(mass, dtype=np.float64)
-    C = np.zeros_like(K) if damping is None else np.asarray(damping, dtype=np.float64)
-    with running("take reduced matrices") as exudyn:
-        from exudyn import itemInterface
-
-        items: Any = itemInterface
-        container = exudyn.SystemContainer()
-        system = container.AddSystem()
-        rest = {name: [0.0] * len(M) for name in ("referenceCoordinates", "initialCoordinates", "initialCoordinates_t")}
-        node = system.AddNode(items.NodeGenericODE2(numberOfODE2Coordinates=len(M), **rest))
-        item = items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=M, stiffnessMatrix=K, dampingMatrix=C)
-        system.AddObject(item)
-        system.Assemble()
-    return container, system
-
-
-def linearised(stiffness: npt.ArrayLike, mass: npt.ArrayLike) -> Linearised:
-    """What exudyn makes of reduced matrices (6 + n, 6 + n): its linearised system, and all modes with the base held.
-
-    Raises
-    ------
-    CheckFailed : exudyn refused them, or they hold a mode without stiffness.
-    """
-    _container, system = placed(stiffness, mass)
-    return linearise_body(system, len(np.asarray(mass)) - BASE)

@@ -253,18 +253,16 @@ class _Table:
         toml_file.require_known(self.table, keys, source=self.source, where=self.where)
         return self
 
+    def inner(self, key: str) -> "_Table":
+        """The table under `key`; empty where there is none."""
+        where = f"{self.where}.{key}"
+        table = toml_file.require_table(self.table.get(key, {}), source=self.source, where=where)
+        return _Table(source=self.source, where=where, table=table)
+
     def tables(self, key: str, keys: tuple[str, ...]) -> dict[str, "_Table"]:
         """The tables below `key` by name."""
-        where = f"{self.where}.{key}"
-        below = toml_file.require_table(self.table.get(key, {}), source=self.source, where=where)
-        return {
-            name: _Table(
-                source=self.source,
-                where=f"{where}.{name}",
-                table=toml_file.require_table(value, source=self.source, where=f"{where}.{name}"),
-            ).known(keys)
-            for name, value in below.items()
-        }
+        below = self.inner(key)
+        return {name: below.inner(name).known(keys) for name in below.table}
 
     def quantity(self, key: str, dimension: str, *, positive: bool = True) -> float:
         if key not in self.table:
@@ -309,14 +307,8 @@ class _Table:
                 raise self.wrong(beside[0], "left out where there are no `layers`", remedy)
         section, reach, z_axis, varied = None, 0.0, None, False
         if "section" in self.table:
-            where = f"{self.where}.section"
-            inner = toml_file.require_table(self.table["section"], source=self.source, where=where)
-            section, reach, z_axis, varied = _Table(source=self.source, where=where, table=inner).section(material)
-        tolerance = _Table(
-            source=self.source,
-            where=f"{self.where}.tolerance",
-            table=toml_file.require_table(self.table.get("tolerance", {}), source=self.source, where=f"{self.where}.tolerance"),
-        ).known(parts.TOLERANCES)
+            section, reach, z_axis, varied = self.inner("section").section(material)
+        tolerance = self.inner("tolerance").known(parts.TOLERANCES)
         loss = parts.loss_factor(self.table, self.source, self.where)
         # What is written goes before what a table of materials says of the bare metal
         written = isinstance(self.table.get("material"), dict)
@@ -361,7 +353,7 @@ class _Table:
         if isinstance(angle, bool) or not isinstance(angle, int | float) or not np.isfinite(angle):
             raise self.wrong("angle", "a number of degrees", "Write angle = 45")
         if isinstance(value, dict) and isinstance(value.get("youngs_modulus"), list):
-            own = _Table(source=self.source, where=f"{self.where}.material", table=value).known(_PLY)
+            own = self.inner("material").known(_PLY)
             E1, E2 = own.quantities("youngs_modulus", 2 * ("pressure",)).tolist()
             given = value.get("shear_modulus")
             G12, *across = own.quantities(
@@ -588,15 +580,14 @@ def read(path: Path) -> MeshDescription:
         length = toml_file.length_unit(unit, source, f"{text.TABLE}.units").metres
     else:
         length = units.unit_system(unit, source).length
-    places = table.tables("parts", _PART)
-    if not places:
+    of_parts = table.tables("parts", _PART)
+    if not of_parts:
         raise table.wrong("parts", "a table a group", 'Write [fe_model.parts.NAME] with material = "steel"')
     left_out = table.table.get("left_out", [])
     if not isinstance(left_out, list) or not all(isinstance(card, str) for card in left_out):
         raise table.wrong("left_out", "a list of cards or keywords of the mesh file", 'Write it like ["CONM2", "RBE2"]')
     point = table.quantities("reference_point", 3 * ("length",)) if "reference_point" in table.table else np.zeros(3)
-    named = toml_file.require_table(table.table.get("places", {}), source=source, where=f"{text.TABLE}.places")
-    where = _Table(source=source, where=f"{text.TABLE}.places", table=named)
+    where = table.inner("places")
     return MeshDescription(
         source=source,
         name=str(table.table.get("name") or path.stem),
@@ -608,8 +599,8 @@ def read(path: Path) -> MeshDescription:
         reference_point=point,
         size=table.quantity("size", "length") if "size" in table.table else None,
         left_out=tuple(left_out),
-        parts={name: each.part(loss) for name, each in places.items()},
-        places={name: where.at(name) for name in named},
+        parts={name: each.part(loss) for name, each in of_parts.items()},
+        places={name: where.at(name) for name in where.table},
         boxes={name: each.box() for name, each in table.tables("groups", ("box",)).items()},
         springs=springs,
         joints={name: each.joint() for name, each in table.tables("joints", ("between", "at", *_TIED)).items()},

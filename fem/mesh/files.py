@@ -18,8 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem.mesh import solids
-from fem.mesh.coordinates import CARD, Coordinates
-from fem.mesh.deck_text import BEGIN, LARGEST_FILE, Line, deck_lines, keyword_of, real, text_lines
+from fem.mesh.deck_text import BEGIN, CARD, LARGEST_FILE, Coordinates, Line, deck_lines, keyword_of, real, text_lines
 from fem.solid.assembly import require_gmsh, session
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers

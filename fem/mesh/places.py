@@ -27,6 +27,8 @@ ALIKE = 1 + 1e-9
 LINE, ROD = "line2", "rod2"
 """Beams, and rods between two nodes, which push and pull and neither bend nor turn anything."""
 
+SIX = np.arange(6)
+
 ENERGY_TOO_HIGH = 2.0
 """[1] What the stiffness of a mesh of solids is too high by, in energy of the jumps of its strains: from 0.7 to 2.3 in 43 modes
 of five structures of ten-node tetrahedra against CalculiX on finer meshes, to 4 and once 6.8 where one or two hexahedra of second
@@ -589,3 +591,154 @@ def _on_triangle(corners: Array, point: Array) -> Array:
             best, distance = np.zeros(3), away
             best[[a, b]] = 1 - share, share
     return best
+
+
+# Matrices: element by element in batches, the lower half of each, part by part.
+
+BATCH = 6_000_000
+"""Entries of element matrices at a time: what an assembly needs beside its result."""
+
+STEP = 1e-4
+"""Relative change of a thickness for the derivative of a beam's stiffness, which is then right to its square."""
+
+
+def assembled(elements: Elements) -> tuple[dict[str, Sparse], dict[str, Sparse], dict[str, tuple[Sparse, Sparse]]]:
+    """Stiffness and mass of each part, and the shares of stiffness that grow with its thickness and with the cube of it."""
+    stiffness, mass, sections = {}, {}, {}
+
+    def freedoms(nodes: Integers, width: int) -> Integers:
+        """Of the first `width` motions of each of the `nodes` (c, k); (c, k width)."""
+        return np.asarray((elements.first[nodes][:, :, None] + SIX[:width]).reshape(len(nodes), -1))
+
+    for name, part in elements.parts.items():
+        kinds = {"K": _Sum(elements), "M": _Sum(elements), "linear": _Sum(elements), "cubic": _Sum(elements)}
+        E, mu = moduli(part.material, name)
+        nu, density = E / (2 * mu) - 1, part.material.density
+        for block in elements.blocks:
+            if block.part != name:
+                continue
+            if block.kind in solids.KINDS:
+                lam = mu * (E - 2 * mu) / (3 * mu - E)
+                size = 3 * block.nodes.shape[1]
+                for some in _batches(len(block.nodes), size):
+                    nodes = block.nodes[some]
+                    K, M = solids.matrices(block.kind, elements.points[nodes], lam, mu, density)
+                    kinds["K"].add(freedoms(nodes, 3), K)
+                    kinds["M"].add(freedoms(nodes, 3), M)
+            elif block.kind == ROD:
+                K, M = _rods(elements.points[block.nodes], part)
+                kinds["K"].add(freedoms(block.nodes, 3), K)
+                kinds["M"].add(freedoms(block.nodes, 3), M)
+            elif block.kind == LINE:
+                dofs = freedoms(block.nodes, 6)
+                K, M, D = _beams(elements, block, part)
+                kinds["K"].add(dofs, K)
+                kinds["M"].add(dofs, M)
+                if part.varied:
+                    kinds["linear"].add(dofs, (3 * K - D) / 2)
+                    kinds["cubic"].add(dofs, (D - K) / 2)
+            else:
+                fibres = block.fibres(elements.points, part.x_axis)
+                for triangle, share in shells.TRIANGLES[block.kind]:
+                    for some in _batches(len(block.nodes), 18):
+                        nodes, corners = block.nodes[some][:, triangle], block.corners(elements.points, some)[:, triangle]
+                        if part.laminate is not None:
+                            off = corners - elements.points[nodes]
+                            flat, bent, M = shells.layered(corners, part.laminate, fibres[some], off)
+                        else:
+                            flat, bent, M = shells.matrices(corners, part.thickness or 0.0, E, nu, density)
+                        if block.offsets is not None and part.laminate is None:
+                            T = shells.carried(corners - elements.points[nodes])
+                            flat, bent, M = (T.swapaxes(1, 2) @ one @ T for one in (flat, bent, M))
+                        dofs = freedoms(nodes, 6)
+                        kinds["linear"].add(dofs, share * flat)
+                        kinds["cubic"].add(dofs, share * bent)
+                        kinds["K"].add(dofs, share * (flat + bent))
+                        kinds["M"].add(dofs, share * M)
+        stiffness[name], mass[name] = kinds["K"].whole(), kinds["M"].whole()
+        if kinds["cubic"].there:
+            sections[name] = kinds["linear"].whole(), kinds["cubic"].whole()
+    return stiffness, mass, sections
+
+
+def _batches(count: int, size: int) -> Iterator[slice]:
+    step = max(BATCH // size**2, 1)
+    return (slice(k, k + step) for k in range(0, count, step))
+
+
+def _rods(corners: Array, part: PartTable) -> tuple[Array, Array]:
+    """Stiffness along rods between two `corners` (c, 2, 3) each, and their consistent mass; (c, 6, 6) each."""
+    if part.section is None:
+        raise ValueError("`section` of rods must be given")
+    section, line = part.section.times(1.0), corners[:, 1] - corners[:, 0]
+    length = np.linalg.norm(line, axis=1)[:, None, None]
+    pulled = np.concatenate([-line, line], axis=1)[:, None, :] / length
+    alike = np.kron([[2.0, 1.0], [1.0, 2.0]], np.eye(3)) / 6
+    return section.axial / length * np.swapaxes(pulled, 1, 2) * pulled, section.mass * length * alike
+
+
+def _beams(elements: Elements, block: Block, part: PartTable) -> tuple[Array, Array, Array]:
+    """Stiffness, mass and derivative of stiffness by the logarithm of the thickness of beams; (c, 12, 12) each."""
+    if part.section is None:
+        raise ValueError(f"`section` of part {block.part} must be given")
+    sections = (
+        [part.section.times(factor) for factor in (1.0, 1 + STEP, 1 - STEP)] if part.varied else 3 * [part.section.times(1.0)]
+    )
+    made: dict[float, tuple[Array, Array, Array]] = {}
+    whole = np.zeros((3, len(block.nodes), 12, 12))
+    for k in range(len(block.nodes)):
+        try:
+            (length, T), (_, moved) = (block.beam(k, elements.points, part, mass) for mass in (False, True))
+        except ValueError:
+            problem = f"the z axis of its section lies along element {block.tags[k]}, or the deck states none"
+            raise BadInput(
+                source=elements.source, field=f"parts.{block.part}.section", problem=problem, remedy="State another z_axis"
+            ) from None
+        if (length := round(length, 12)) not in made:
+            plain, more, less = (timoshenko(section, length, block.part) for section in sections)
+            slope = (more.stiffness[block.part] - less.stiffness[block.part]) / (2 * STEP)
+            made[length] = plain.stiffness[block.part], plain.mass, slope
+        for target, local, by in zip(whole[:, k], made[length], (T, moved, T), strict=True):
+            target[:] = by.T @ local @ by
+    return whole[0], whole[1], whole[2]
+
+
+class _Sum:
+    """Element matrices added into one of the structure: lower halves, kept degrees of freedom only, links last."""
+
+    def __init__(self, elements: Elements) -> None:
+        self.elements = elements
+        riding = np.diff(elements.carried.indptr) > 0
+        self.linked = bool(np.any(riding & (elements.own < 0)))
+        self.number = np.arange(len(elements.own)) if self.linked else elements.own
+        self.size = len(elements.own) if self.linked else elements.carried.shape[1]
+        self.there = False
+        self.half: Sparse = None
+
+    def add(self, dofs: Integers, blocks: Array) -> None:
+        from scipy.sparse import coo_array
+
+        self.there = True
+        own = self.number[dofs].astype(np.int32)
+        rows = np.broadcast_to(own[:, :, None], blocks.shape)
+        columns = np.broadcast_to(own[:, None, :], blocks.shape)
+        lower = (rows >= columns) & (columns >= 0)
+        added = coo_array((blocks[lower], (rows[lower], columns[lower])), shape=(self.size, self.size)).tocsr()
+        self.half = added if self.half is None else self.half + added
+
+    def whole(self) -> Sparse:
+        from scipy.sparse import csr_array, tril
+
+        if self.half is None:
+            return csr_array((self.elements.carried.shape[1],) * 2)
+        whole = csr_array(self.half + tril(self.half, -1, format="csr").T)
+        if not self.linked:
+            return whole
+        T = self.elements.carried
+        return symmetric(T.T @ whole @ T)
+
+
+def symmetric(A: Sparse) -> Sparse:
+    from scipy.sparse import csr_array
+
+    return csr_array((A + A.T) / 2)

@@ -1,8 +1,6 @@
-"""The solid model of any article: mesh, matrices and base in one `Structure`, remembered from run to run; mesh convergence."""
+"""The solid model of any article: mesh, matrices and base in one `Structure`, remembered from run to run."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from types import MappingProxyType
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -18,7 +16,7 @@ from fem.structure import Sparse, Structure
 from geometry import cache
 from geometry.article import Article, Material
 from geometry.errors import BadInput, CheckFailed
-from geometry.frames import Array, Integers, rigid_transformation
+from geometry.frames import Integers, rigid_transformation
 
 PLATE_SIZE, FOOT_SIZE = 0.035, 0.04
 """Width of a hexahedron [m] in plates and, at the least, in the foot, before it is divided by the fineness."""
@@ -165,139 +163,3 @@ def fixed_base(
 
 def _arrays(matrix: Sparse) -> dict[str, np.ndarray]:
     return {"data": matrix.data, "indices": matrix.indices, "starts": matrix.indptr}
-
-
-# Mesh convergence: how far the finest mesh is from what ever finer ones would give.
-#
-# Eigenfrequencies of a conforming family of meshes fall towards their limits as f(h) = f + C h^p, each in its place of the
-# ordered list (the min-max principle). Three sizes give p, the observed rate, and f by Richardson's extrapolation; smooth modes
-# of quadratic elements have p = 4 and re-entrant edges pull it down to about 1. Where three values show no such fall, no rate
-# is claimed and the distance is estimated with p = 1, on the safe side (Roache, Verification and Validation in Computational
-# Science and Engineering, chapter 5).
-
-BAR = 1e-3
-"""Relative distance from the limit that a mode may have, where no other is given for its part."""
-
-BLADE_BAR = 2e-3
-"""Of the bending modes of thin blades."""
-
-RATES = (0.2, 8.0)
-"""Rates that can be told from three sizes; beyond, something else than h is changing."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Convergence:
-    """Eigenfrequencies over the size of the elements.
-
-    Attributes
-    ----------
-    size : (k,) [m], or any measure in proportion to it, from coarse to fine
-    unknowns : (k,) degrees of freedom of the structures
-    frequency : (k, n) [Hz]
-    rate : (n,) observed p of the three finest; NaN where they show none
-    extrapolated : (n,) [Hz]
-    distance : (n,) relative distance of the finest from the extrapolated
-    bar : (n,) what it may be
-    part : part with the largest share of the strain energy, mode by mode
-    """
-
-    size: Array
-    unknowns: tuple[int, ...]
-    frequency: Array
-    rate: Array
-    extrapolated: Array
-    distance: Array
-    bar: Array
-    part: tuple[str, ...]
-
-    @property
-    def converged(self) -> bool:
-        """Whether every mode is within its bar."""
-        return bool(np.all(self.distance <= self.bar))
-
-    @property
-    def verdict(self) -> str:
-        """In a sentence."""
-        worst = int(np.argmax(self.distance / self.bar))
-        mode = f"mode {worst + 1} at {self.frequency[-1, worst]:.4g} Hz ({self.part[worst] or 'no part'})"
-        found = f"is {self.distance[worst]:.2%} from its limit, {self.bar[worst]:.2%} allowed"
-        beyond = int(np.sum(self.distance > self.bar))
-        if not beyond:
-            return f"converged: all {len(self.bar)} modes are within their bars; the worst, {mode}, {found}"
-        count = f"{beyond} of {len(self.bar)} modes are beyond their bars"
-        return f"not converged: {count}; the worst, {mode}, {found}; take a finer mesh"
-
-
-def convergence_study(
-    model: Callable[[float], Structure],
-    sizes: Sequence[float],
-    count: int = 10,
-    *,
-    bars: Mapping[str, float] = MappingProxyType({}),
-    factoriser: str | None = None,
-) -> Convergence:
-    """Frequencies of `model` at every one of `sizes`, which it is called with from coarse to fine.
-
-    Parameters
-    ----------
-    model : structure of a given element size, tetrahedra or hexahedra
-    sizes : at least three, each smaller than the one before
-    count : of modes
-    bars : allowed distance of modes that strain this part most; `BAR` for all others
-
-    Raises
-    ------
-    BadInput : fewer than three sizes, or not descending.
-    """
-    h = np.asarray(sizes, dtype=np.float64)
-    if len(h) < 3 or np.any(np.diff(h) >= 0) or h[-1] <= 0:
-        problem = f"needs three or more positive sizes, from coarse to fine, found {h.tolist()}"
-        raise BadInput(source="convergence study", field="sizes", problem=problem, remedy="Give for example 30, 20 and 14 mm")
-    frequency, unknowns = [], []
-    for size in h:
-        structure = model(float(size))
-        modes = fixed_base(structure, count, factoriser=factoriser)
-        frequency.append(modes.frequency)
-        unknowns.append(len(structure.free))
-    # The part that each mode strains most; empty names for a structure without parts
-    if not structure.part_stiffness:
-        parts = tuple("" for _ in modes.frequency)
-    else:
-        names = tuple(structure.part_stiffness)
-        energy = [np.einsum("ij,ij->j", modes.shapes, K @ modes.shapes) for K in structure.part_stiffness.values()]
-        parts = tuple(names[int(k)] for k in np.argmax(np.array(energy), axis=0))
-    return assessed(h, tuple(unknowns), np.array(frequency), parts, bars)
-
-
-def assessed(
-    size: Array, unknowns: tuple[int, ...], frequency: Array, part: tuple[str, ...], bars: Mapping[str, float]
-) -> Convergence:
-    """The study of known frequencies (k, n) at `size` (k,)."""
-    found = [extrapolation(size[-3:], values) for values in frequency[-3:].T]
-    rate, limit, error = (np.array(column) for column in zip(*found, strict=True))
-    bar = np.array([bars.get(name, BAR) for name in part])
-    return Convergence(
-        size=size,
-        unknowns=unknowns,
-        frequency=frequency,
-        rate=rate,
-        extrapolated=limit,
-        distance=error / limit,
-        bar=bar,
-        part=part,
-    )
-
-
-def extrapolation(size: Array, value: Array) -> tuple[float, float, float]:
-    """Rate, limit and distance of the last of three values from it, for three descending sizes."""
-    from scipy.optimize import brentq
-
-    h1, h2, h3 = size / size[-1]
-    coarse, fine = value[0] - value[1], value[1] - value[2]
-
-    def ratio(p: float) -> float:
-        return float((h1**p - h2**p) / (h2**p - h3**p) * fine - coarse)
-
-    p = brentq(ratio, *RATES) if fine and ratio(RATES[0]) * ratio(RATES[1]) < 0 else np.nan
-    error = abs(fine) / (h2 ** (1.0 if np.isnan(p) else p) - 1)
-    return float(p), float(value[2] - np.copysign(error, fine)), float(error)

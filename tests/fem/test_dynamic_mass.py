@@ -123,7 +123,7 @@ def test_pyyeti_drives_the_same_base() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)
         from pyyeti import cb
-    r = reduction.craig_bampton(clumod(), 30)
+    r = reduction.of_modes(clumod_modes(), clumod().rigid)
     found = dynamic_mass.modal(clumod_modes(), BAND, residual=False).matrix
     K = r.stiffness + 1j * r.structural
     peer = np.array([cb.cbtf(r.mass, r.viscous, K, row, BAND, np.arange(6)).frc for row in np.eye(6)])  # axis, load, line
@@ -181,7 +181,7 @@ def test_damping_that_the_structure_does_not_know_is_refused() -> None:
 
 def test_reduced_matrices_are_the_full_ones_seen_through_the_basis(block: Callable[..., Structure]) -> None:
     structure = block(4, 4, 5)
-    r = reduction.craig_bampton(structure, 12)
+    r = reduction.of_modes(fixed_base(structure, 12), structure.rigid)
     V = r.expand(np.eye(18))
     for full, small in ((structure.mass, r.mass), (structure.stiffness, r.stiffness)):
         assert_allclose(V.T @ full @ V, small, rtol=0, atol=1e-9 * np.abs(small).max())

@@ -1,11 +1,13 @@
 """Exudyn's bodies and beams: inertia, closed forms and rates, the built-in articles; and Ctrl-C while it works."""
 
 import os
+import runpy
 import signal
 import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,7 +25,7 @@ from fem.exudyn.frame import refined
 from fem.exudyn.linear import extrapolated, linearise
 from fem.exudyn.run import exudyn_version, from_exudyn, is_interruption, kept, quiet, running, to_exudyn
 from fem.modes import Modes, fixed_base
-from fem.reduction import Reduced, craig_bampton
+from fem.reduction import Reduced
 from geometry.article import material
 from geometry.articles import built_in
 from geometry.articles.parts import load
@@ -31,6 +33,8 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, rigid_transformation_6, rotation_about
 from geometry.inertia import Inertia
 from geometry.routes import inertia as drawn_inertia
+
+linearised = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "in_exudyn.py"))["linearised"]
 
 STEEL = material("steel")
 BAR = rectangle(0.02, 0.01, STEEL)
@@ -191,7 +195,7 @@ def test_a_joint_on_ports_acts_in_exudyn_as_in_our_frame(member: str, by_us: dic
 
 
 def test_dynamic_mass_of_a_rigid_article_is_its_inertia() -> None:
-    H = linear.dynamic_mass("fmd", [4.0, 32.0]).matrix
+    H = modal(linear.modes("fmd"), [4.0, 32.0]).matrix
     assert_allclose(H, np.array(2 * [drawn_inertia(built_in("fmd")).mass_matrix]), rtol=0, atol=1e-12)
 
 
@@ -236,12 +240,13 @@ def test_no_mode_at_all_and_an_unknown_article_are_refused_before_exudyn_starts(
 
 @pytest.fixture(scope="module", params=["clumod-1", "clumod-4"])
 def ours(request: pytest.FixtureRequest) -> Reduced:
-    return craig_bampton(articles.structure(request.param), COUNT)
+    structure = articles.structure(request.param)
+    return reduction.of_modes(fixed_base(structure, COUNT), structure.rigid)
 
 
 def test_reduced_matrices_in_exudyn_have_our_frequencies_and_dynamic_mass(ours: Reduced) -> None:
     """Exudyn's modes summed up, against our modal coordinates condensed line by line."""
-    system = linear.linearised(ours.stiffness, ours.mass)
+    system = linearised(ours.stiffness, ours.mass)
     assert_allclose((2 * np.pi * system.frequency) ** 2, np.diag(ours.stiffness)[6:], rtol=1e-6)
     exudyns = modal(extrapolated(None, system, ours.structural, np.zeros(3), COUNT), LINES).matrix
     here = reduction.dynamic_mass(ours, LINES).matrix
@@ -250,9 +255,9 @@ def test_reduced_matrices_in_exudyn_have_our_frequencies_and_dynamic_mass(ours: 
 
 def test_matrices_without_stiffness_or_of_different_size_are_refused_in_words() -> None:
     with pytest.raises(CheckFailed, match="lowest squared frequency is"):
-        linear.linearised(np.zeros((8, 8)), np.eye(8))
+        linearised(np.zeros((8, 8)), np.eye(8))
     with pytest.raises(CheckFailed, match=r"exudyn .* failed when it should take reduced matrices: \S"):
-        linear.linearised(np.eye(7), np.eye(8))
+        linearised(np.eye(7), np.eye(8))
 
 
 def fixed_base_of(plan: Plan, count: int) -> Modes:

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import re
+import runpy
 from dataclasses import dataclass, replace
+from io import StringIO
 from itertools import product
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from rich.console import Console
 
 from fem.beam import articles
 from fem.dynamic_mass import direct, modal
-from fem.exudyn import floating_frame, modes_of_solid
-from fem.exudyn.frame import Flight, FloatingFrame, by_points
 from fem.exudyn.linear import linearise_body
 from fem.exudyn.run import failed, finite, from_exudyn, integrated, running
 from fem.modes import fixed_base
@@ -22,6 +26,12 @@ from geometry.article import material
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, rigid_transformation
 from geometry.inertia import Inertia
+
+IN_EXUDYN = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "in_exudyn.py"))
+Flight, by_points, floating_frame, modes_of_solid = (
+    IN_EXUDYN[name] for name in ("Flight", "by_points", "floating_frame", "modes_of_solid")
+)
+FloatingFrame = Any
 
 SIZE = np.array([0.05, 0.03, 0.6])
 STEEL = material("steel")
@@ -113,7 +123,7 @@ def test_beams_a_base_that_holds_half_a_point_and_too_many_modes_are_refused(bar
 def test_a_solid_too_large_for_exudyns_factorisation_is_refused_before_it_starts(
     bar: Structure, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("fem.exudyn.frame.LARGEST", 200)
+    monkeypatch.setitem(floating_frame.__globals__, "LARGEST", 200)
     with pytest.raises(BadInput, match=r"up to 200 degrees of freedom here, found 243.*native beams"):
         floating_frame(bar, COUNT)
 
@@ -230,3 +240,11 @@ def fly(structure: Structure, body: FloatingFrame, duration: float, steps: int) 
         if not integrated(body.system, settings):
             raise failed(task, "the solver gave up")
     return now(structure, body)
+
+
+def test_the_example_prints_both_frequencies_of_every_mode() -> None:
+    printed = StringIO()
+    IN_EXUDYN["main"](Console(file=printed, width=100))
+    rows = [[float(f) for f in re.findall(r"\d+\.\d+", line)] for line in printed.getvalue().splitlines() if "." in line]
+    assert len(rows) == 5
+    assert all(ours == pytest.approx(theirs, rel=1e-5) for ours, theirs in rows)

@@ -174,6 +174,22 @@ def script() -> Callable[[str], str]:
     return lambda name: (Path(__file__).with_name("js") / f"{name}.js").read_text(encoding="utf-8")
 
 
+@pytest.fixture(scope="session")
+def two_floors() -> str:
+    """The file of a frame of two floors on four legs, moving along x."""
+    return """format = 1
+[fe_model]
+kind = "frame"
+nodes = { foot = "0 mm", floor-1 = "150 mm", floor-2 = "300 mm" }
+fixed = ["foot"]
+moves = ["x"]
+members = { legs-1 = ["foot", "floor-1"], legs-2 = ["floor-1", "floor-2"] }
+section = { width = "25 mm", thickness = "3 mm", across = "x", count = 4 }
+material = { youngs_modulus = "70 GPa", poisson_ratio = 0.3 }
+masses = { floor-1 = "5 kg", floor-2 = "5 kg" }
+"""
+
+
 BRACKET = """format = 1
 model = { title = "Column and arm", article = "bracket" }
 [fe_model]

@@ -1,7 +1,7 @@
 """`massline modes`: frequencies, effective masses, what moves; and two models side by side, their modes told by shape."""
 
-import importlib.util
 import json
+import runpy
 from dataclasses import replace
 from pathlib import Path
 
@@ -125,10 +125,7 @@ def test_a_model_without_shapes_says_so_and_one_whose_modes_do_not_swing_is_refu
 def bracket(tmp_path_factory) -> Path:
     """The example of a user's model, in npz."""
     folder = tmp_path_factory.mktemp("own")
-    spec = importlib.util.spec_from_file_location("own_model", Path(__file__).parents[2] / "examples" / "own_model.py")
-    example = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(example)
-    example.write(folder)
+    runpy.run_path(str(Path(__file__).parents[2] / "examples" / "own_model.py"))["write"](folder)
     return folder / "bracket.npz"
 
 

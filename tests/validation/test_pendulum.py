@@ -15,7 +15,6 @@ from geometry.errors import BadInput
 from geometry.inertia import tensor_from_six
 from geometry.toml_file import exact, tagged
 from validation.classical.pendulum import (
-    PLANAR,
     SIX,
     CompoundSwing,
     RopeSwing,
@@ -25,7 +24,6 @@ from validation.classical.pendulum import (
     from_cycles,
     from_signal,
     from_times,
-    meeting_point,
     plane_amplitude_factor,
     rod_inertia,
     rope_amplitude_factor,
@@ -327,6 +325,9 @@ def test_a_coordinate_pendulum_reads_the_diagonal_and_axes_in_one_plane_or_five_
         tensor_from_axes(DIAGONALS[:5], list(moments(DIAGONALS[:5])))
 
 
+PLANAR = ("xx", "zz", "xz")
+
+
 def test_least_squares_tolerance_follows_moments_and_angles_as_finite_differences_say():
     angles = np.radians([3.0, 47.0, 95.0, 150.0])
     readings = np.array([1.3, 0.9, 0.8, 1.2])  # no tensor fits these exactly: the residual's part of the derivative is tested
@@ -347,16 +348,3 @@ def test_least_squares_tolerance_follows_moments_and_angles_as_finite_difference
     found = tensor_from_axes(axes, [ufloat(j, dj) for j in readings], PLANAR)
     # central differences with a step of 1e-6 are good to about 1e-9
     assert_allclose([found[name].std_dev for name in PLANAR], expected, rtol=1e-7)
-
-
-def test_plumb_lines_through_one_point_meet_there():
-    angles = np.array([0.1, 1.2, 2.0])
-    normals = np.column_stack([np.cos(angles), np.sin(angles)])
-    point = np.array([0.27, -0.54])
-    assert_allclose(meeting_point(normals, list(normals @ point)), point, atol=1e-14)
-
-
-@pytest.mark.parametrize("normals", [[(1.0, 0.0)], [(1.0, 0.0), (1.0, 1e-4)]])
-def test_lines_that_do_not_cross_are_refused(normals):
-    with pytest.raises(BadInput, match="plumb lines"):
-        meeting_point(normals, [0.1] * len(normals))

@@ -2,6 +2,7 @@
 
 import errno
 import os
+import runpy
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -323,14 +324,19 @@ def test_nothing_is_said_without_a_screen():
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, "", "")
 
 
-def test_a_contact_sheet_puts_pictures_two_abreast(tmp_path):
+@pytest.fixture(scope="module")
+def contact_sheet(root):
+    return runpy.run_path(str(root / "examples" / "pictures.py"))["contact_sheet"]
+
+
+def test_a_contact_sheet_puts_pictures_two_abreast(contact_sheet, tmp_path):
     from matplotlib.image import imsave
 
     shades = [(255, 0, 0), (0, 255, 0), (0, 0, 255)]
     paths = [tmp_path / f"{i}.png" for i in range(3)]
     for path, shade in zip(paths, shades, strict=True):
         imsave(path, np.full((120, 160, 3), shade, dtype=np.uint8))
-    scene.contact_sheet(paths, tmp_path / "sheet.png", about="three shades")
+    contact_sheet(paths, tmp_path / "sheet.png", about="three shades")
     assert said_about(tmp_path / "sheet.png") == "three shades"
     sheet = np.round(255 * imread(tmp_path / "sheet.png")[..., :3])
     assert sheet.shape == (1200, 1600, 3)
@@ -338,13 +344,13 @@ def test_a_contact_sheet_puts_pictures_two_abreast(tmp_path):
         assert_allclose(sheet[row, column], shade, rtol=0)
 
 
-def test_a_contact_sheet_says_which_picture_it_cannot_read(tmp_path):
+def test_a_contact_sheet_says_which_picture_it_cannot_read(contact_sheet, tmp_path):
     (tmp_path / "text.png").write_text("no picture")
     for path in (tmp_path / "text.png", tmp_path / "absent.png"):
         with pytest.raises(BadInput, match=f"{path.name}: this is no picture that can be read"):
-            scene.contact_sheet([path], tmp_path / "sheet.png")
+            contact_sheet([path], tmp_path / "sheet.png")
     with pytest.raises(BadInput, match="no picture was given"):
-        scene.contact_sheet([], tmp_path / "sheet.png")
+        contact_sheet([], tmp_path / "sheet.png")
     assert not (tmp_path / "sheet.png").exists()
 
 

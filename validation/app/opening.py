@@ -15,15 +15,15 @@ from geometry import cache, toml_file
 from geometry.atomic import write_text, write_with
 from geometry.errors import BadInput
 from identification import campaign_file, test_file
-from validation.app.session import GIVEN, Progress
+from validation.app.session import GIVEN
 from validation.classical import files as classical_files
 from validation.effects import catalogue
 from validation.identify.check import summary
-from validation.identify.identify import REDUCED
+from validation.identify.request import REDUCED
 from validation.model import model_file
 from validation.model.model import Model
 from validation.output import json_text
-from validation.study import TRUTH, is_test, only_files, read_data
+from validation.study import TRUTH, Progress, is_test, only_files, read_data
 from validation.virtual_test import simulate
 
 # The built-in examples: virtual tests with an effect that their model does not know, simulated at first use by the very functions

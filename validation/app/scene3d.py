@@ -15,7 +15,8 @@ from geometry.sensors import Point
 from geometry.toml_file import nearest as keys_nearest
 from identification import campaign_file
 from identification.campaign import Campaign
-from validation.app.session import Compared, Session, digest, opened
+from validation.app.kept import Compared
+from validation.app.session import Session, digest, opened
 from validation.flexible.model import FlexibleOptions, flexible
 from validation.history.history import read_text
 from validation.model.model import BEAM
@@ -26,8 +27,7 @@ from validation.prediction.structure import ReducedStructure
 from validation.prediction.structure_tests import StructurePrediction
 from validation.report.charts.functions import ShownPair
 from validation.report.flexible import Moved, moved_bodies
-from validation.report.scenes.motion import MovingBody, scale_of
-from validation.report.scenes.nodes import WORDS, Outline, marks
+from validation.report.scenes.motion import WORDS, MovingBody, Outline, marks, scale_of
 from validation.report.scenes.scene import DrawnBody, fitted
 from validation.report.scenes.setups import DrawnSensor, bodies_of, sensors_of
 from validation.report.scenes.turntable import DRIVE, FAILS, Turntable

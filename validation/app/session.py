@@ -12,15 +12,12 @@ The user's own files are read and never changed; `Session.report` and `Session.d
 
 import filecmp
 import json
-import os.path
-import re
 import shutil
 import zlib
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, replace
 from hashlib import sha256
-from math import inf
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -34,31 +31,29 @@ from geometry.frames import Array
 from geometry.sensors import resultants
 from identification import campaign_file
 from identification.campaign import METHODS
+from validation.app import kept
+from validation.app.kept import Compared, KeptFits, KeptSeries, KeptSpectra, copied, moved, moved_ladder
 from validation.compare.compare import Comparison, of_evaluation
-from validation.compare.correlation import FunctionCorrelation, ModalCorrelation, ModePair
-from validation.compare.maps import Functions, Map, NamedMode, Pairs
+from validation.compare.correlation import FunctionCorrelation, ModalCorrelation
 from validation.diagnose.diagnosis import Diagnosis
 from validation.effects import catalogue
 from validation.estimation import evaluate
 from validation.estimation.fit import unfitted
-from validation.estimation.problem import FITTED, PLAIN, Evaluation, Fit, Measured, Parameter, Share
+from validation.estimation.problem import FITTED, PLAIN, Evaluation, Share
 from validation.history import add, history
-from validation.history.history import HistoryPosition, Ladder, Source, Version, history_position, read_text
+from validation.history.history import HistoryPosition, Ladder, Version, history_position, read_text
 from validation.model import model_file
 from validation.model.model import Model
 from validation.output import from_json, json_text, require_ending, require_file, require_folder, to_json
 from validation.prediction import series
-from validation.prediction.dynamic_mass import BaseDrive
 from validation.prediction.series import SeriesPrediction, TestedCampaign
 from validation.prediction.structure import mounted_article
 from validation.report import compare, diagnose, page
 from validation.report.history import of_step
 from validation.report.parts import Provenance
-from validation.study import Data, Options, Study, is_test, read_data, read_tests, require_band
+from validation.study import Data, Options, Progress, Study, is_test, read_data, read_tests, require_band
 
-Progress = Callable[[str, float], None]
-
-FORMAT, SPECTRA_FORMAT = 1, 2
+FORMAT, SPECTRA_FORMAT = 1, 3
 STATE, VIEW = "desk.json", "view.json"
 GIVEN = "given"
 """The folder of a session in which files lie that a browser handed over."""
@@ -71,20 +66,12 @@ ADDED = "effects added in the workbench"
 DAMAGE = (OSError, EOFError, ValueError, KeyError, TypeError, BadZipFile, zlib.error)
 """What a file of arrays raises that is not there, not whole, or of another version."""
 
-DRIVE = ("amplitude", "nominal", "sweep_rate", "block")
-
 SUMMARY, MAPS = "compare.json", "maps.npz"
 NODES = "nodes.npz"
 """The file with what a diagnosis says of every node of a mesh."""
 
-DIAGNOSIS, TOLERANCES = "diagnose.json", "diagnose.tolerances.json"
-"""The object of `massline diagnose --json`, and what its fits lack: by parameter what was known of it beforehand."""
-
-TEXTS = ("data_set", "configuration", "runs", "axes", "rows", "channels", "remarks")
-ARRAYS = tuple(one.name for one in fields(Map) if one.name not in (*TEXTS, "pairs", "functions"))
-OF_PAIRS = tuple(one.name for one in fields(Pairs) if one.name != "campaign")
-OF_FUNCTIONS = ("measured", "predicted", "expected", "coherence")
-OF_MODES = ("mac", "cross_orthogonality", "measured_shapes", "model_shapes")
+DIAGNOSIS, FITS = "diagnose.json", "diagnose.npz"
+"""The object of `massline diagnose --json`, and the fits behind its errors."""
 
 ARM = 0.01
 """Share of the largest by which a channel must take part in a load to tell it."""
@@ -195,12 +182,9 @@ class Session:
         """
         tell = progress or (lambda what, share: None)
         with suppress(*DAMAGE):
-            with self.spectra.open("rb") as opened, np.load(opened, allow_pickle=False) as held:
-                head = json.loads(held["head"].tobytes())
-                if head["format"] != SPECTRA_FORMAT or head["asked"] != self._stamp():
-                    raise ValueError("made from other data")
-                tested = [_tested(model, said, f"{k}.", held) for k, said in enumerate(head["campaigns"])]
-            return tuple(SeriesPrediction(tested=one, effects=model.effects) for one in tested)
+            if kept.words(self.spectra)["stamp"] == self._stamp():
+                spectra = kept.read(KeptSeries, self.spectra).campaigns
+                return tuple(SeriesPrediction(tested=_tested(model, one), effects=model.effects) for one in spectra)
         found = series.predictions(
             model,
             self.read_data(model, tell).campaigns,
@@ -213,26 +197,19 @@ class Session:
 
     def keep_spectra(self, found: Sequence[SeriesPrediction]) -> None:
         """Keep the spectra of `found` for the next time."""
-        kept: dict[str, Any] = {}
-        campaigns = []
-        for k, of in enumerate(one.tested for one in found):
-            # Of the spectra every field that there is, whatever is added to them: what JSON can hold, and arrays
-            every = {one.name: getattr(of.measured, one.name) for one in fields(of.measured)}
-            arrays = {name: value for name, value in every.items() if isinstance(value, np.ndarray)}
-            drives = {name: np.array([getattr(one, name) for one in of.drives]) for name in DRIVE}
-            kept |= {f"{k}.{name}": value for name, value in {**arrays, **drives, "per_rms": of.per_rms}.items()}
-            said = {
-                "source": of.campaign.source,
-                "warnings": list(of.campaign.warnings),
-                "method": of.method,
-                "remarks": list(of.remarks),
-                "words": {name: value for name, value in every.items() if name not in arrays},
-                "arrays": list(arrays),
-            }
-            campaigns.append(said)
-        head = {"format": SPECTRA_FORMAT, "asked": self._stamp(), "campaigns": campaigns}
-        kept["head"] = np.frombuffer(json.dumps(head).encode(), dtype=np.uint8)
-        write_with(self.spectra, lambda temporary: np.savez(temporary, allow_pickle=False, **kept))
+        campaigns = tuple(
+            KeptSpectra(
+                source=of.campaign.source,
+                warnings=tuple(of.campaign.warnings),
+                measured=of.measured,
+                drives=of.drives,
+                per_rms=of.per_rms,
+                method=of.method,
+                remarks=of.remarks,
+            )
+            for of in (one.tested for one in found)
+        )
+        kept.write(self.spectra, KeptSeries(stamp=self._stamp(), campaigns=campaigns))
 
     def _stamp(self) -> list[Any]:
         """What spectra depend on: the data by size and time of change, how they are made."""
@@ -248,7 +225,13 @@ class Session:
         for folder in sorted(tests):
             seen = [(one.name, one.stat()) for one in sorted(folder.iterdir()) if one.is_file()]
             files.append([[name, found.st_size, found.st_mtime_ns] for name, found in seen])
-        return [list(self.asked.data), None if self.asked.band is None else list(self.asked.band), self.asked.method, files]
+        return [
+            SPECTRA_FORMAT,
+            list(self.asked.data),
+            None if self.asked.band is None else list(self.asked.band),
+            self.asked.method,
+            files,
+        ]
 
     # The model held against its data. Comparing, diagnosing and adding all begin with the same fits. They are made once, as a
     # rung of the ladder, and stay there with the offsets at which they ended; maps and words of a comparison follow in seconds.
@@ -284,7 +267,7 @@ class Session:
             raise RuntimeError("a rung that was kept must be the one on which the model stands")
         return found
 
-    def compare(self, progress: Progress | None = None) -> "Compared":
+    def compare(self, progress: Progress | None = None) -> Compared:
         """The model held against its data, and kept; on a rung of the ladder without fitting anything anew.
 
         Takes from seconds to minutes: `validation.app.workers.start(session, "compare")` does it in a worker.
@@ -305,39 +288,18 @@ class Session:
             told = [campaign.table.channels[k] for k in campaign.table.select(quantity=("force", "moment"))]
             share = np.abs(resultants(told, campaign.table.origin))
             share /= np.maximum(share.max(axis=1, keepdims=True, initial=0.0), np.finfo(np.float64).tiny)
-            loads.append({one.name: np.flatnonzero(share[:, k] > ARM).tolist() for k, one in enumerate(told)})
-        arrays = {f"{k}.{name}": getattr(one, name) for k, one in enumerate(found.maps) for name in ARRAYS}
-        for k, one in enumerate(found.maps):
-            arrays |= {} if one.pairs is None else {f"{k}.pairs.{name}": getattr(one.pairs, name) for name in OF_PAIRS}
-            if one.functions is not None:
-                known = {name: getattr(one.functions, name) for name in OF_FUNCTIONS}
-                arrays |= {f"{k}.functions.{name}": value for name, value in known.items() if value is not None}
-        tables = [one for one in found.correlation if isinstance(one, ModalCorrelation)]
-        arrays |= {f"table.{k}.{name}": getattr(one, name) for k, one in enumerate(tables) for name in OF_MODES}
-        words = {
-            "maps": [{name: getattr(one, name) for name in TEXTS} for one in found.maps],
-            "modes": [[vars(mode) for mode in each] for each in found.modes],
-            "offsets": found.evaluation.plain_fit.by_name,
-            "loads": loads,
-            "errors": compare.errors(found).panel(),
-            "functions": {k: one.functions.unit for k, one in enumerate(found.maps) if one.functions is not None},
-            "tables": [
-                {
-                    "data_set": one.data_set,
-                    "rule": one.rule,
-                    "pairs": [vars(pair) for pair in one.pairs],
-                    "missing": one.missing,
-                    "modes": one.modes,
-                    "comac": dict(one.comac),
-                    "remarks": one.remarks,
-                }
-                for one in tables
-            ],
-            "frac": {one.data_set: dict(one.frac) for one in found.correlation if isinstance(one, FunctionCorrelation)},
-        }
-        arrays["words"] = np.frombuffer(json.dumps(words).encode(), dtype=np.uint8)
+            loads.append({one.name: tuple(np.flatnonzero(share[:, k] > ARM).tolist()) for k, one in enumerate(told)})
+        made = Compared(
+            maps=found.maps,
+            modes=found.modes,
+            offsets=found.evaluation.plain_fit.by_name,
+            loads=tuple(loads),
+            errors=tuple(compare.errors(found).panel()),
+            tables=tuple(one for one in found.correlation if isinstance(one, ModalCorrelation)),
+            frac={one.data_set: one.frac for one in found.correlation if isinstance(one, FunctionCorrelation)},
+        )
         # Arrays first: where the summary is, all is
-        write_with(folder / MAPS, lambda temporary: np.savez(temporary, allow_pickle=False, **arrays))
+        kept.write(folder / MAPS, made)
         write_text(folder / SUMMARY, json_text(to_json(found)))
         return _read_comparison(folder)
 
@@ -350,30 +312,28 @@ class Session:
         for folder in folders:
             with suppress(*DAMAGE, BadInput):
                 other = opened(folder)
-                kept = other.folder / "found" / now
-                if folder == self.folder or other.asked != self.asked or ladder.exists() or not (kept / SUMMARY).is_file():
+                found = other.folder / "found" / now
+                if folder == self.folder or other.asked != self.asked or ladder.exists() or not (found / SUMMARY).is_file():
                     continue
                 beside = history.path_beside(other.model)
                 own = {one.relative_to(other.model.parent) for one in other.model.parent.rglob("*") if one.is_file()}
                 named = own - {Path(other.model.name), Path(beside.name)}
                 _, *differing = filecmp.cmpfiles(other.model.parent, self.model.parent, map(str, named), shallow=False)
-                with other.spectra.open("rb") as held, np.load(held, allow_pickle=False) as arrays:
-                    same = json.loads(arrays["head"].tobytes())["asked"] == self._stamp()
+                same = kept.words(other.spectra)["stamp"] == self._stamp()
                 first = next(iter(history.read(beside).rungs))
                 if any(differing) or not same or digest(first.model) != now or first.errors is None:
                     continue
                 shutil.copyfile(other.spectra, self.spectra)
-                shutil.copytree(kept, self.found)
+                shutil.copytree(found, self.found)
                 history.write(ladder, Ladder(rungs=(first,), current=first.number), self.model.name)
                 return True
         return False
 
-    def comparison(self) -> "Compared | None":
+    def comparison(self) -> Compared | None:
         """That of the model as it stands, if it was made; quick."""
-        try:
+        with suppress(*DAMAGE):
             return _read_comparison(self.found)
-        except DAMAGE:
-            return None
+        return None
 
     def diagnose(self, candidates: Sequence[str] = (), progress: Progress | None = None) -> Mapping[str, Any]:
         """The diagnosis of the model, kept: the object of `massline diagnose --json`.
@@ -396,14 +356,10 @@ class Session:
         study = diagnose.prepared(asked)
         found = diagnose.diagnosis(asked, study, tell)
         whole = {**diagnose.of_asked(asked, study), **to_json(found)}
-        known = {
-            when: {one.name: None if one.tolerance == inf else one.tolerance for one in of.fitted.parameters}
-            for when, of in (("before", found.before), ("after", found.after))
-        }
         scores = {f"{k}.{name}": getattr(one, name) for k, one in enumerate(found.nodes) for name in ("article", "points")}
         scores |= {f"{k}.evidence.{kind}": e for k, one in enumerate(found.nodes) for kind, e in one.evidence.items()}
         write_with(folder / NODES, lambda temporary: np.savez(temporary, allow_pickle=False, **scores))
-        write_text(folder / TOLERANCES, json_text(known))
+        kept.write(folder / FITS, KeptFits(before=found.before, after=found.after))
         write_text(folder / DIAGNOSIS, json_text(whole))
         return whole
 
@@ -421,23 +377,13 @@ class Session:
         return {}
 
     def diagnosis(self) -> Diagnosis | None:
-        """That of the model as it stands, if it was made, as figures and reports take it; quick.
-
-        All that pages and pictures show comes back as it was; of the fits' covariance only its diagonal is there.
-        """
-        try:
-            said, known = (json.loads((self.found / name).read_text(encoding="utf-8")) for name in (DIAGNOSIS, TOLERANCES))
-            before = _read_evaluation(said, "before", known["before"])
-            return from_json(
-                Diagnosis,
-                said,
-                text="" if said["text"] == said["headline"] else said["text"],
-                before=before,
-                after=_read_evaluation(said, "after", known["after"]) if said["accepted"] else before,
-                only=tuple(said["candidates"]),
-            )
-        except (OSError, ValueError, KeyError, TypeError):
-            return None
+        """That of the model as it stands, if it was made, as figures and reports take it; quick."""
+        with suppress(*DAMAGE):
+            said = json.loads((self.found / DIAGNOSIS).read_text(encoding="utf-8"))
+            fits = kept.read(KeptFits, self.found / FITS)
+            text = "" if said["text"] == said["headline"] else said["text"]
+            return from_json(Diagnosis, said, text=text, before=fits.before, after=fits.after, only=tuple(said["candidates"]))
+        return None
 
     # Up and down the ladder.
 
@@ -756,28 +702,20 @@ def _damaged(folder: Path, problem: str) -> BadInput:
     return BadInput(source=str(folder), problem=problem, remedy="Begin a new desk; the user's own files were never changed")
 
 
-def _tested(model: Model, said: dict[str, Any], prefix: str, held: Any) -> TestedCampaign:
-    """A campaign from its kept spectra: `said` of the head, and the arrays of that `prefix`."""
-    campaign = campaign_file.read_description(said["source"])
-    words: dict[str, Any] = _tuples(said["words"])
-    measured = Measured(**words, **{name: held[prefix + name] for name in said["arrays"]})
-    drives = zip(*(held[prefix + name] for name in DRIVE), strict=True)
+def _tested(model: Model, of: KeptSpectra) -> TestedCampaign:
+    """A campaign from its kept spectra."""
+    campaign = campaign_file.read_description(of.source)
+    mounted = mounted_article(model, campaign, of.measured.frequency[-1])
     return TestedCampaign(
         model=model,
-        campaign=replace(campaign, warnings=tuple(said["warnings"])),
-        measured=measured,
-        carried=series.supported_dynamic_mass(
-            model, campaign, mounted_article(model, campaign, measured.frequency[-1]), measured.name
-        ),
-        drives=tuple(BaseDrive(amplitude=a, nominal=n, sweep_rate=float(r), block=float(b)) for a, n, r, b in drives),
-        per_rms=held[prefix + "per_rms"],
-        method=said["method"],
-        remarks=tuple(said["remarks"]),
+        campaign=replace(campaign, warnings=of.warnings),
+        measured=of.measured,
+        carried=series.supported_dynamic_mass(model, campaign, mounted, of.measured.name),
+        drives=of.drives,
+        per_rms=of.per_rms,
+        method=of.method,
+        remarks=of.remarks,
     )
-
-
-def _tuples(said: dict[str, Any]) -> dict[str, Any]:
-    return {name: tuple(value) if isinstance(value, list) else value for name, value in said.items()}
 
 
 def comparison_on(study: Study, at: Version, progress: Progress) -> Comparison:
@@ -819,258 +757,5 @@ def _share(percent: float | None, by_fold: Mapping[str, float]) -> Share | None:
     return None if percent is None else Share(percent=percent, by_fold=dict(by_fold))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Compared:
-    """What `massline compare` finds, as a window keeps it.
-
-    Attributes
-    ----------
-    summary : the object of `massline compare --json`: "errors" [{"name", "figure", "meaning", "verdict", "text"}], "worst",
-        "absurd_tolerances", "classical", "warnings", "plain_error_percent" ...
-    maps : one a campaign, with its `pairs` (measured and predicted 6 x 6 dynamic mass)
-    modes : by campaign, as the plain fit has them
-    offsets : where the plain fit ended, by name of the parameter
-    loads : by campaign, by force channel the loads (0 to 5) that it tells
-    errors : the rows of `validation.report.compare.errors` for the panel
-    tables : tables of modes, and resonances of response functions, beside the model
-    frac : by data set of response functions, ``run/channel``, how alike they are
-    """
-
-    summary: Mapping[str, Any]
-    maps: tuple[Map, ...]
-    modes: tuple[tuple[NamedMode, ...], ...]
-    offsets: Mapping[str, float]
-    loads: tuple[Mapping[str, tuple[int, ...]], ...]
-    errors: tuple[Mapping[str, Any], ...] = ()
-    tables: tuple[ModalCorrelation, ...] = ()
-    frac: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-
-    @property
-    def campaigns(self) -> tuple[str, ...]:
-        """Names of the data sets, in order."""
-        return tuple(one.data_set for one in self.maps)
-
-    def table(self, data_set: str) -> ModalCorrelation | None:
-        """The modes beside `data_set`: a table of modes has a data set of frequencies and one of shapes."""
-        titles = [data_set, data_set.removesuffix(" frequencies"), data_set.removesuffix(" shapes")]
-        return next((one for one in self.tables if one.data_set in titles), None)
-
-    def map(self, campaign: str) -> Map:
-        """That of `campaign`.
-
-        Raises
-        ------
-        KeyError : there is none of that name.
-        """
-        return self.maps[self._place(campaign)]
-
-    def modes_of(self, campaign: str) -> tuple[NamedMode, ...]:
-        """Those of the article of `campaign`; none of an FMD alone or of a rigid one.
-
-        Raises
-        ------
-        KeyError : there is no campaign of that name.
-        """
-        return self.modes[self._place(campaign)]
-
-    def loads_of(self, campaign: str, channel: str) -> tuple[int, ...]:
-        """Those that a `channel` tells: of a force channel its own, of an acceleration all six.
-
-        Raises
-        ------
-        KeyError : there is no campaign of that name.
-        """
-        return self.loads[self._place(campaign)].get(channel) or tuple(range(6))
-
-    def _place(self, campaign: str) -> int:
-        if campaign not in self.campaigns:
-            raise KeyError(campaign)
-        return self.campaigns.index(campaign)
-
-
 def _read_comparison(folder: Path) -> Compared:
-    summary = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-    maps = []
-    with (folder / MAPS).open("rb") as opened, np.load(opened, allow_pickle=False) as held:
-        words = json.loads(held["words"].tobytes())
-        for k, said in enumerate(words["maps"]):
-            pairs = None
-            if f"{k}.pairs.{OF_PAIRS[0]}" in held:
-                pairs = Pairs(campaign=said["data_set"], **{name: held[f"{k}.pairs.{name}"] for name in OF_PAIRS})
-            functions = None
-            if (unit := words["functions"].get(str(k))) is not None:
-                known = {name: held[f"{k}.functions.{name}"] for name in OF_FUNCTIONS if f"{k}.functions.{name}" in held}
-                functions = Functions(unit=unit, **known)
-            arrays = {name: held[f"{k}.{name}"] for name in ARRAYS}
-            maps.append(Map(**_tuples(said), **arrays, pairs=pairs, functions=functions))
-        tables = []
-        for k, said in enumerate(words["tables"]):
-            arrays = {name: held[f"table.{k}.{name}"] for name in OF_MODES}
-            pairs_of = tuple(ModePair(**pair) for pair in said.pop("pairs"))
-            tables.append(ModalCorrelation(**_tuples(said), **arrays, pairs=pairs_of))
-    return Compared(
-        summary=summary,
-        maps=tuple(maps),
-        modes=tuple(tuple(NamedMode(**_tuples(mode)) for mode in each) for each in words["modes"]),
-        offsets=words["offsets"],
-        loads=tuple(_tuples(one) for one in words["loads"]),
-        errors=tuple(words["errors"]),
-        tables=tuple(tables),
-        frac=words["frac"],
-    )
-
-
-# A diagnosis again from its JSON: of an evaluation that has the figures, and of a fit its parameters one by one.
-
-
-def _read_evaluation(said: Mapping[str, Any], when: str, known: Mapping[str, float | None]) -> Evaluation:
-    """The errors "before" or "after"; `known` is what was known of the parameters beforehand."""
-    one, errors = said[when], said["errors"]
-    return Evaluation(
-        nominal=Share(percent=errors[f"nominal_{when}_percent"]),
-        plain=Share(
-            percent=errors[f"plain_{when}_percent"],
-            by_channel=one["plain_percent_by_channel"],
-            by_run=one["plain_percent_by_run"],
-        ),
-        held_out=_share(errors[f"heldout_{when}_percent"], one["heldout_percent_by_fold"]),
-        held_out_nominal=_share(errors[f"heldout_nominal_{when}_percent"], {}),
-        plain_fit=_read_fit(one["plain"], known),
-        fitted=_read_fit(one["fitted"], known),
-        held_out_names=tuple(one["held_out"]),
-        held_out_configurations=_share(errors[f"heldout_configurations_{when}_percent"], {}),
-    )
-
-
-def _read_fit(one: Mapping[str, Any], known: Mapping[str, float | None]) -> Fit:
-    said = one["parameters"]
-    # JSON knows no infinity, and has nothing in its place
-    chi2, tolerance_z2, evidence = (
-        inf if one[key] is None else float(one[key]) for key in ("chi2", "tolerance_z2", "log_evidence_nats")
-    )
-    return Fit(
-        parameters=tuple(
-            Parameter(name=name, unit="", tolerance=inf if known[name] is None else float(known[name] or 0.0), kind=each["kind"])
-            for name, each in said.items()
-        ),
-        offsets=np.array([each["offset"] for each in said.values()], dtype=np.float64),
-        covariance=np.diag(np.array([each["sd"] for each in said.values()], dtype=np.float64) ** 2),
-        cost=inf,
-        chi2=chi2,
-        degrees_of_freedom=one["degrees_of_freedom"],
-        tolerance_z2=tolerance_z2,
-        tolerances=one["tolerances"],
-        log_evidence=evidence,
-        converged=one["converged"],
-    )
-
-
-# A model file and its ladder in another folder. Paths in ``[structure.own]`` and in a ladder (its data) are seen from their own
-# folder: a copy that is read in another one must say them otherwise; every other byte stays, comments and ends of lines too.
-
-
-TABLE = re.compile(r"^\s*\[(?!\[)\s*structure\s*\.\s*own\s*\]")
-OTHER = re.compile(r"^\s*\[")
-ENTRY = re.compile(
-    r"^(?P<key>\s*(?:\"[^\"]*\"|'[^']*'|[\w-]+)\s*=\s*)(?P<quote>[\"'])(?P<path>[^\"'\\]*)(?P=quote)(?P<rest>.*)$", re.S
-)
-
-
-def copied(model: Path, to: Path) -> None:
-    """Copy the file `model`, and the ladder beside it where there is one, to the file `to` and beside it.
-
-    Files that structure and tests of the model are in go with it: they are looked for beside the model alone.
-
-    Raises
-    ------
-    BadInput : no model file, a ladder that cannot be read, a layout of paths that cannot be said anew.
-    OSError : a file cannot be read or written.
-    """
-    text = moved(read_text(model), model, to)
-    model_file.of_text(text, str(to))
-    beside = history.path_beside(model)
-    ladder = moved_ladder(history.read(beside), model, to) if beside.exists() else None
-    to.parent.mkdir(parents=True, exist_ok=True)
-    for path in _named(text, model):
-        copy = to.parent / path.relative_to(model.parent)
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        write_with(copy, lambda temporary, path=path: shutil.copyfile(path, temporary))  # type: ignore[misc]
-    if ladder is not None:
-        history.write(history.path_beside(to), ladder, to.name)
-    write_with(to, lambda temporary: temporary.write_bytes(text.encode("utf-8")))
-
-
-def _named(text: str, model: Path) -> Iterator[Path]:
-    """The files of structure and tests, which lie with `model` or below, and what lies beside them under the same name."""
-    table, seen = toml_file.parse(text, str(model)), {model}
-    for name in toml_file.texts([table.get("fe_model"), table.get("test")]):
-        path = model.parent / name
-        with suppress(OSError, ValueError):  # a text that no file can be called
-            if path.is_file() and path.resolve().is_relative_to(model.parent.resolve()):
-                alike = {one for one in path.parent.iterdir() if one.stem == path.stem and one.is_file()} - seen
-                seen |= alike
-                yield from sorted(alike)
-
-
-def moved(text: str, model: Path, to: Path) -> str:
-    """`text` of the file `model` as the file `to` must say it: paths of a user's own models seen from there.
-
-    Raises
-    ------
-    BadInput : such paths stand where they cannot be found, as in an inline table.
-    """
-    if "own" not in text or model.resolve().parent == to.resolve().parent:
-        return text
-
-    def files(said: str, where: Path) -> dict[str, Path]:
-        """Of the articles; a structure in the text itself is no other file."""
-        own = model_file.of_text(said, str(where)).own.items()
-        return {name: Path(path).resolve() for name, path in own if path != str(where)}
-
-    lines, inside = text.splitlines(keepends=True), False
-    for k, line in enumerate(lines):
-        if OTHER.match(line):
-            inside = bool(TABLE.match(line))
-        elif inside and (entry := ENTRY.match(line)):
-            path = _seen(entry["path"], model, to)
-            lines[k] = f"{entry['key']}{entry['quote']}{path}{entry['quote']}{entry['rest']}"
-    found = "".join(lines)
-    # The models of both texts must be the same files
-    known = files(text, model)
-    try:
-        same = files(found, to) == known
-    except BadInput:  # a path that leads nowhere from there
-        same = False
-    if not same:
-        problem = (
-            "the paths of your own models do not stand one a line in [structure.own], and cannot be said from another folder"
-        )
-        raise BadInput(
-            source=str(model), field="structure.own", problem=problem, remedy='Write "article" = "path" on lines there'
-        )
-    return found
-
-
-def _seen(path: str, model: Path, to: Path) -> str:
-    """A path from the folder of `model`, from that of `to`; an absolute one stays as it is."""
-    if not path or Path(path).is_absolute():
-        return path
-    return Path(os.path.relpath(model.resolve().parent / path, to.resolve().parent)).as_posix()
-
-
-def moved_ladder(ladder: Ladder, model: Path, to: Path) -> Ladder:
-    """`ladder` of the file `model` as that of the file `to` must say it: its texts as `moved`, its data seen from there.
-
-    Raises
-    ------
-    BadInput : see `moved`.
-    """
-    rungs = []
-    for one in ladder.rungs:
-        data = tuple(
-            # The name of a shipped measurement stays a name
-            Source(path=_seen(each.path, model, to) if (model.parent / each.path).exists() else each.path, digest=each.digest)
-            for each in one.conditions.data
-        )
-        rungs.append(replace(one, model=moved(one.model, model, to), conditions=replace(one.conditions, data=data)))
-    return replace(ladder, rungs=tuple(rungs))
+    return replace(kept.read(Compared, folder / MAPS), summary=json.loads((folder / SUMMARY).read_text(encoding="utf-8")))

@@ -23,14 +23,15 @@ from geometry import cache
 from geometry.atomic import write_text
 from geometry.errors import BadInput, CheckFailed
 from validation.app import workers
+from validation.app.kept import copied
 from validation.app.options import StartOptions
-from validation.app.session import Session, copied, is_session, opened
+from validation.app.session import Session, is_session, opened
 from validation.app.workers import CANCELLED, DONE, FAILED, Job
 from validation.history import history
 from validation.output import json_text
 
 if TYPE_CHECKING:
-    from validation.app.session import Compared
+    from validation.app.kept import Compared
     from validation.app.whatif import ReadyPredictions, TrialEffect, WhatIf
     from validation.app.workers import Worker
     from validation.report.scenes.turntable import Turntable

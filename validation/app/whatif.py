@@ -1,4 +1,4 @@
-"""What if: the predicted curves of one entry with an effect at any size, while a slider is dragged.
+"""What if: the predicted curves with an effect at any size, while a slider is dragged.
 
 The prediction itself is asked (`validation.prediction.series`), no table of it. Released, at every line of the data and at the
 plain fit with the effect at that size; dragged, at as many lines as `BUDGET` allows, those where most happens first, and what a
@@ -11,7 +11,6 @@ from collections.abc import Hashable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import product
-from math import isfinite
 from threading import Lock
 from time import perf_counter
 from types import MappingProxyType
@@ -25,7 +24,6 @@ from geometry.frames import Array
 from geometry.sensors import ChannelTable
 from validation.app.session import Session
 from validation.compare.maps import Operators, operators, through
-from validation.diagnose.diagnosis import sized
 from validation.effects import effect as effect_types
 from validation.effects import practical_units
 from validation.effects.catalogue import FAMILIES, Named, acts, parse
@@ -34,14 +32,13 @@ from validation.estimation.evaluate import Squares
 from validation.estimation.fit import BREAKDOWNS, FLOOR, PLAIN_FLOOR, nearby
 from validation.estimation.likelihood import cost_of, left_of_run, observed
 from validation.estimation.problem import PLAIN, Lines, Measured, Offsets, Parameter, Predicted, Problem, Wanted, chosen
-from validation.history.add import FIRST_GUESS, completed
+from validation.history.add import FIRST_GUESS
 from validation.model.model import Added, Model
 from validation.prediction import classical_facts, dynamic_mass, effects
 from validation.prediction.classical_facts import ArticleFact, require_bodies
 from validation.prediction.dynamic_mass import BaseDrive, SupportedDynamicMass, Tangents
 from validation.prediction.series import SeriesPrediction
 from validation.prediction.structure_tests import StructurePrediction
-from validation.report.charts.style import unit
 from validation.report.effects import examples
 
 # A prediction that was asked already: what else wants to know it need not ask again.
@@ -387,25 +384,20 @@ KEPT = 6
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Trace:
-    """The predicted entry of one campaign.
+    """What is predicted of one campaign.
 
     Attributes
     ----------
     campaign : data set
     frequency : (n,) [Hz], all lines of the campaign
-    before, after : (n,) complex, without and with the effect, in `unit`; between lines that were not asked for `after` goes with
-        `before`
-    matrix : (n, 6, 6) with the effect, all entries, about F; of a test by itself (n, r, c), by run and channel
-    unit : kg, kg m or kg m²; of a test empty
+    matrix : (n, 6, 6) with the effect, all entries, about F [kg, kg m, kg m²]; of a test by itself (n, r, c), by run and channel;
+        between lines that were not asked for it goes with that of the model
     reached : whether the effect acts on this campaign at all
     """
 
     campaign: str
     frequency: Array
-    before: ComplexArray
-    after: ComplexArray
     matrix: ComplexArray
-    unit: str
     reached: bool
 
 
@@ -475,12 +467,11 @@ def table(of: Session, positions: Sequence[str] = ()) -> ReadyPredictions:
     return found
 
 
-def what_if(of: ReadyPredictions, effect: str, load: int, motion: int, *, exact: bool = True, follow: bool = True) -> WhatIf:
-    """The entry with `effect` (``ID=VALUE``, ``ID=key:number,...``) in the model.
+def what_if(of: ReadyPredictions, effect: str, *, exact: bool = True, follow: bool = True) -> WhatIf:
+    """What is predicted with `effect` (``ID=VALUE``, ``ID=key:number,...``) in the model.
 
     Parameters
     ----------
-    load, motion : the entry shown, 0 to 5
     exact : every line, as `validation.prediction` has it (when a slider is released, a second or so); else as many as `BUDGET`
         allows
     follow : whether what a plain fit frees goes with the effect, as it would if that were added. Nothing does before there is a
@@ -516,7 +507,7 @@ def what_if(of: ReadyPredictions, effect: str, load: int, motion: int, *, exact:
     asked = of.asked(question)
     return WhatIf(
         written=str(named),
-        traces=tuple(one.trace(load, motion) for one in asked if len(one.tested.entries)),
+        traces=tuple(one.trace() for one in asked if len(one.tested.entries)),
         plain_percent=evaluate.share([each for one in asked for each in one.after]).percent,
         before_percent=evaluate.share([each for one in asked for each in one.before]).percent,
         facts={
@@ -556,8 +547,8 @@ class _Asked:
     after: list[Squares]
     reached: bool
 
-    def trace(self, load: int, motion: int) -> Trace:
-        """Its curve of an entry."""
+    def trace(self) -> Trace:
+        """Its curves."""
         one, lines = self.tested, self.lines
         before = matrix = one.entries
         frequency = one.prediction.measured.frequency
@@ -577,15 +568,7 @@ class _Asked:
                 between = before * ((1 - share) * factor[right - 1] + share * factor[right])
                 between[lines] = matrix
                 matrix = np.asarray(between)
-        return Trace(
-            campaign=one.name,
-            frequency=frequency,
-            before=before[:, load, motion] if one.operators is not None else before[:, 0, 0],
-            after=matrix[:, load, motion] if one.operators is not None else matrix[:, 0, 0],
-            matrix=matrix,
-            unit=unit(load, motion) if one.operators is not None else "",
-            reached=self.reached,
-        )
+        return Trace(campaign=one.name, frequency=frequency, matrix=matrix, reached=self.reached)
 
 
 def _by_run(named: Named) -> bool:
@@ -594,80 +577,6 @@ def _by_run(named: Named) -> bool:
     return family.side in (effect_types.AMPLITUDE, effect_types.PROCESSING) and family.stage in (
         effect_types.BODY_STAGE,
         effect_types.CHANNEL_STAGE,
-    )
-
-
-# One effect explained to a person: what it means, how large it is, what it is mistaken for, and what would tell.
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class EffectExplanation:
-    """One effect, for somebody who never heard of it.
-
-    Attributes
-    ----------
-    id : ``family:target``
-    written : with its size, as `massline add` takes it
-    what : in a few words
-    text : what it means here
-    equation, reference : of the catalogue
-    sizes : SI, by key, as the diagnosis found them; none of one that it did not try
-    found : these in words
-    evidence : [nats]; None where it was not tried, or beyond all numbers
-    aliases : ids that these data cannot tell from it
-    mistaken_for : ids or families that look like it
-    confirmed_by : what would confirm it in the laboratory
-    separating : measurements that would tell it from its aliases, the best first, in words
-    note : what the data say of it beyond its size
-    """
-
-    id: str
-    written: str
-    what: str
-    text: str
-    equation: str
-    reference: str
-    sizes: Mapping[str, float]
-    found: str
-    evidence: float | None
-    aliases: tuple[str, ...]
-    mistaken_for: tuple[str, ...]
-    confirmed_by: str
-    separating: tuple[str, ...]
-    note: str
-
-
-def explained(of: Session, effect: str) -> EffectExplanation:
-    """`effect` (an id, or with its size) as the diagnosis and the catalogue speak of it. Its curves: `whatif.what_if`.
-
-    Raises
-    ------
-    BadInput : no such effect, with the nearest.
-    """
-    named = parse(
-        completed(effect)[0], effect_types.Vocabulary(accelerometers=None, forces=None, places=None, parts=None), source="effect"
-    )
-    family, found = FAMILIES[named.family], of.diagnosis()
-    # As it was accepted, else as it was ranked
-    every = () if found is None else (*found.accepted, *found.ranking)
-    tried = next((one for one in every if one.id == named.id), None)
-    alike = () if found is None else found.equivalence_class
-    advice = () if found is None else found.advice
-    return EffectExplanation(
-        id=named.id,
-        written=effect if tried is None else str(tried.named),
-        what=family.what,
-        text=family.sentence.format(target=named.target, targets=" and ".join(named.targets)),
-        equation=family.equation,
-        reference=family.reference,
-        sizes={} if tried is None else {size.key: size.value for size in tried.sizes},
-        found="" if tried is None else "; ".join(sized(tried, size) for size in tried.sizes),
-        evidence=None if tried is None or not isfinite(tried.evidence) else tried.evidence,
-        aliases=tuple(id for id in alike if id != named.id) if named.id in alike else (),
-        mistaken_for=family.mistaken_for,
-        confirmed_by=family.confirmed_by,
-        separating=tuple(one.text for one in advice if not one.separates or named.id in one.separates),
-        note="" if tried is None else tried.note,
     )
 
 

@@ -20,14 +20,15 @@ from secrets import token_hex
 from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
+from geometry.dynamic_mass import SIGNS
 from geometry.errors import BadInput, CheckFailed
-from validation.app import options, panels, state, transfer, workers
+from validation.app import curves, options, panels, state, transfer, workers
 from validation.app.opening import EXAMPLES, LARGEST, MOST, Handed
 from validation.app.options import DOOR_SECRET, NEVER_KEPT, StartOptions
 from validation.app.server import same
 from validation.app.state import WindowState, keep
 from validation.output import from_json
-from validation.report.charts.maps import LOADS, MOTIONS, SIGNS, entry
+from validation.report.charts.maps import LOADS, MOTIONS, entry
 from validation.report.charts.style import unit
 from validation.study import Options
 
@@ -238,8 +239,8 @@ def first_state() -> dict[str, Any]:
         "load": 2,
         "motion": 2,
         "marked": None,
-        "kind": panels.MASS,
-        "showing": panels.CURVES,
+        "kind": curves.MASS,
+        "showing": curves.CURVES,
         "correlated": False,
         "drives": [],
         "responses": [],
@@ -248,16 +249,16 @@ def first_state() -> dict[str, Any]:
         "pair": None,
         "pair_words": "",
         "curve": "",
-        "choices": {name: [str(one) for one in every] for name, every in panels.CHOICES.items()},
-        **{name: every[0] for name, every in panels.CHOICES.items()},
-        **{name: one for name, one in state.kept_switches().items() if one in panels.CHOICES.get(name, ())},
+        "choices": {name: [str(one) for one in every] for name, every in curves.CHOICES.items()},
+        **{name: every[0] for name, every in curves.CHOICES.items()},
+        **{name: one for name, one in state.kept_switches().items() if one in curves.CHOICES.get(name, ())},
         "fig_overlay": {},
         "fig_mac": {},
         "fig_shape": {},
         "live": None,
         "fig_map": {},
         "map_kind": "channels",
-        "runs": [{"title": "the worst of all runs", "value": panels.WORST_OF_ALL}],
+        "runs": [{"title": "the worst of all runs", "value": curves.WORST_OF_ALL}],
         "run": -1,
         "modes": [{"title": "Structure and sensors", "value": panels.AT_REST}],
         "mode": panels.AT_REST,
@@ -350,9 +351,9 @@ HANDLERS: Mapping[str, Handler] = {
     "node": panels.node,
     "try": panels.try_here,
     "diagnose": _diagnose,
-    "effect": panels.chosen,
-    "drag": panels.drag,
-    "size": panels.size,
+    "effect": curves.chosen,
+    "drag": curves.drag,
+    "size": curves.size,
     "add": panels.add,
     "undo": panels.undo,
     "rung": panels.go,
@@ -365,7 +366,7 @@ HANDLERS: Mapping[str, Handler] = {
 def _heard(window: WindowState, handler: Handler) -> Callable[..., Awaitable[None]]:
     async def heard(*arguments: Any) -> None:
         await window.told(handler(window, *arguments))
-        if handler is not panels.drag:  # which keeps what it comes to at rest
+        if handler is not curves.drag:  # which keeps what it comes to at rest
             keep(window)
 
     return heard

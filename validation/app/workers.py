@@ -13,7 +13,6 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -208,8 +207,6 @@ def _kept(of: Session, said: Job) -> Job:
 
 # What runs in the worker of a session: one verb, its progress written down, its end said in words.
 
-
-Progress = Callable[[str, float], None]
 
 OFTEN = 0.15
 """Seconds between two words on how far the work is."""

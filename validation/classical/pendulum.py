@@ -17,7 +17,6 @@ Both hold for rope feet in one horizontal plane; its height does not matter. The
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from itertools import combinations
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -72,22 +71,13 @@ def rod_inertia(*, mass: Value, length: Value, diameter: Value) -> Value:
 # A pendulum about the axis n sees one number, ``J = n^T Θ n``: linear in the six entries of the tensor, so several axes give
 # them by least squares. A body with a plane of symmetry needs three axes in that plane. When the axes leave a combination of
 # entries unseen, no arithmetic brings it back: it is refused, and the entries that suffer are named.
-#
-# The hanging orientations also say where the CoG is: it lies on every plumb line through the suspension, so that lines drawn on
-# the body meet there.
 
 
 SIX = ("xx", "yy", "zz", "xy", "xz", "yz")
 """Entries of the tensor in the order of Eq. 4."""
 
-PLANAR = ("xx", "zz", "xz")
-"""What pendulums about axes in the plane of symmetry xz see of the tensor."""
-
 UNSEEN = 1e-6
 """Singular value, relative to the largest, below which a combination of entries counts as not observable."""
-
-PARALLEL = 1e-3
-"""Sine of the angle between two plumb lines below which their intersection says nothing."""
 
 
 def tensor_from_axes(
@@ -129,44 +119,9 @@ def tensor_from_axes(
     return dict(zip(components, x, strict=True))
 
 
-def meeting_point(normals: npt.ArrayLike, offsets: Sequence[UFloat], source: str = "plumb lines") -> tuple[UFloat, UFloat]:
-    """Where plumb lines ``n · p = offset`` of a plane meet: the mean of all their pairwise intersections.
-
-    Parameters
-    ----------
-    normals : (n, 2), unit normals of the lines, numbers or quantities
-    offsets : (n,) [m], signed distances of the lines from the origin of the plane
-
-    Three lines with reading errors form a triangle; its corners are averaged. That is what the published bicycle data use; a
-    least-squares fit to the lines gives another point, a few millimetres away when the lines are poorly crossed.
-
-    Raises
-    ------
-    BadInput : fewer than two lines, or two of them nearly parallel.
-    """
-    lines = list(zip(np.asarray(normals), offsets, strict=True))
-    if len(lines) < 2:
-        problem = f"at least two plumb lines must cross, found {len(lines)}"
-        raise BadInput(source=source, field="orientations", problem=problem, remedy="Hang the body in another orientation too")
-    corners = []
-    for (n, c), (m, d) in combinations(lines, 2):
-        determinant = n[0] * m[1] - n[1] * m[0]
-        if abs(_number(determinant)) < PARALLEL:
-            problem = "two plumb lines are parallel within 0.06 deg"
-            remedy = "Hang the body in a clearly different orientation"
-            raise BadInput(source=source, field="orientations", problem=problem, remedy=remedy)
-        corners.append(((c * m[1] - d * n[1]) / determinant, (n[0] * d - m[0] * c) / determinant))
-    x, z = (sum(corner[i] for corner in corners) / len(corners) for i in (0, 1))
-    return x, z
-
-
 def _nominal(values: Any) -> Array:
     array = np.asarray(values, dtype=object)
-    return np.array([_number(value) for value in array.ravel()]).reshape(array.shape)
-
-
-def _number(value: Any) -> float:
-    return float(getattr(value, "nominal_value", value))
+    return np.array([float(getattr(value, "nominal_value", value)) for value in array.ravel()]).reshape(array.shape)
 
 
 # What Eq. 5 and its sisters leave out, as named terms that can be switched one by one.

@@ -295,10 +295,10 @@ def league_command(names: tuple[str, ...], data: Path, studies: Path, as_json: b
 
     Exit code 0 whatever is said; 2 when a study cannot be used.
     """
-    from validation.report.league import answer
+    from validation.report.fleet import league_answer
 
     os.environ["MASSLINE_DATA"] = str(data)  # study files name their data by it
-    answer(studies, data, names, as_json=as_json)
+    league_answer(studies, data, names, as_json=as_json)
 
 
 @click.command("model")
@@ -354,7 +354,7 @@ def model_command(
         problem = "it writes what was found, and nothing else"
         raise BadInput(source="--as", problem=problem, remedy="Leave out --examine and --test")
     if examine:
-        from validation.report.examine import answer
+        from validation.report.campaign import examine_answer
 
         if out is not None or force or tests:
             problem, remedy = (
@@ -362,7 +362,7 @@ def model_command(
                 "Leave out --out, --force and --test; --json prints what was found as one object",
             )
             raise BadInput(source="--examine", problem=problem, remedy=remedy)
-        answer(article, as_json=as_json)
+        examine_answer(article, as_json=as_json)
         return
     if as_json:
         raise BadInput(source="--json", problem="a model file is TOML", remedy="Use it with --examine")

@@ -77,7 +77,7 @@ def identify_command(ctx: click.Context, /, plot: bool, out: Path | None, as_jso
 
     Exit code 0 when it is done, whatever the verdicts; 1 when no body can have what comes out; 2 when the input cannot be used.
     """
-    from validation.identify.identify import IdentifyOptions
+    from validation.identify.request import IdentifyOptions
     from validation.output import require_folder
     from validation.report.identify import answer, answer_of_test
 

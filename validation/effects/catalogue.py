@@ -3,23 +3,14 @@
 A file is a family when it holds a `FAMILY`. The catalogue of a process only grows: `load` adds what a user brings.
 """
 
-import re
-import sys
-import tokenize
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import redirect_stdout
-from dataclasses import dataclass, fields, is_dataclass, replace
-from functools import cache, wraps
-from hashlib import sha256
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from inspect import getsourcefile, ismodule
-from linecache import getline
-from math import isfinite, isnan
+from math import isfinite
 from pathlib import Path
-from traceback import extract_tb
-from types import MappingProxyType, ModuleType
-from typing import Any
+from types import MappingProxyType
 
 import numpy as np
 
@@ -27,97 +18,8 @@ from geometry.cache import content
 from geometry.errors import BadInput
 from geometry.toml_file import nearest
 from validation.effects import effect as effect_types
-from validation.effects.stages import ChannelResponse, JointSprings, Matrices, MountedDynamicMass, NoiseModel, PendulumSwing
-
-# A user's own effects: a folder of small files, each with a `FAMILY`, read without a trace in the folder.
-#
-# What a user's code does wrong is said in words, with the line of the user's file that did it - when the file is read and
-# whenever its equation is asked.
-
-
-def own_family(path: Path) -> effect_types.Family:
-    """The `FAMILY` of the file at `path`, whose code runs once; its equation and plant answer in words when they fail.
-
-    Raises
-    ------
-    BadInput : it is no Python, it fails, or it holds no `Family` of that name.
-    """
-    # The module at `path`. Compiled here, since an import would leave its cache in the folder.
-    file = str(path)
-    name = f"massline_effect_{sha256(file.encode()).hexdigest()[:12]}"
-    module = ModuleType(name)
-    module.__file__ = file
-    sys.modules[name] = module
-    try:
-        with tokenize.open(file) as source:
-            code = compile(source.read(), file, "exec", dont_inherit=True)
-        with redirect_stdout(sys.stderr):  # standard output belongs to the command
-            exec(code, module.__dict__)
-    except OSError:
-        del sys.modules[name]
-        raise
-    except (Exception, SystemExit) as error:
-        del sys.modules[name]
-        raise in_words(error, file, "") from None
-    if not hasattr(module, "FAMILY"):
-        raise BadInput(source=str(path), field="FAMILY", problem="is missing", remedy="Write FAMILY = Family(name=..., ...)")
-    return of(module.FAMILY, str(path))
-
-
-def of(value: object, file: str) -> effect_types.Family:
-    """`value`, which must be a family, with the functions of `file` guarded.
-
-    Raises
-    ------
-    BadInput : it is something else.
-    """
-    if not isinstance(value, effect_types.Family):
-        problem = f"must be a validation.effects.effect.Family, found {type(value).__name__}"
-        raise BadInput(source=file, field="FAMILY", problem=problem, remedy="Write FAMILY = Family(name=..., ...)")
-    change = value.change if value.change is None else guarded(value.change, file, "change")
-    plant = value.plant if value.plant is None else _guarded_plant(value.plant, file)
-    return replace(value, change=change, plant=plant)
-
-
-def guarded(function: Callable[..., Any], file: str, what: str) -> Callable[..., Any]:
-    """`function` of the user's `file`, whose errors become words; `what` is the field that holds it."""
-
-    @wraps(function)
-    def call(*arguments: Any) -> Any:
-        try:
-            return function(*arguments)
-        except BadInput:
-            raise
-        except Exception as error:
-            raise in_words(error, file, what) from None
-
-    return call
-
-
-def in_words(error: BaseException, file: str, what: str) -> BadInput:
-    """`error` that code of `file` raised, with the line where it happened."""
-    said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-    if isinstance(error, SyntaxError) and error.filename == file:
-        line = error.lineno or 0
-    else:
-        line = next((one.lineno or 0 for one in reversed(extract_tb(error.__traceback__)) if one.filename == file), 0)
-    number = f"line {line}, `{getline(file, line).strip()}`, " if line else ""
-    return BadInput(source=file, field=what, problem=f"{number}raised {said}", remedy="Correct the file")
-
-
-def _guarded_plant(plant: Callable[[Any], Any], file: str) -> Callable[[Any], Any]:
-    planted = guarded(plant, file, "plant")
-
-    def call(named: Any) -> Any:
-        effect = planted(named)
-        if not is_dataclass(effect) or isinstance(effect, type):
-            problem = f"must return an Effect of validation.virtual_test.plan, found {type(effect).__name__}"
-            raise BadInput(source=file, field="plant", problem=problem, remedy="Write plant=at(...) of validation.effects.plants")
-        made = {one.name: getattr(effect, one.name) for one in fields(effect)}
-        return replace(effect, **{name: guarded(one, file, "plant") for name, one in made.items() if callable(one)})
-
-    return call
-
+from validation.effects import own
+from validation.effects.stages import Matrices
 
 GROUP = "massline.effects"
 """Of the entry points by which an installed package brings families: modules with a `FAMILY`, or families themselves."""
@@ -203,7 +105,7 @@ def load(directory: str | Path) -> tuple[effect_types.Family, ...]:
 
     Raises
     ------
-    BadInput : no such folder, a file without a family, or one that is not whole (see `require_whole`, `require_usable`);
+    BadInput : no such folder, a file without a family, or one that is not whole (see `own.require_whole`, `own.require_usable`);
         then none of the folder's is added.
     """
     folder = Path(directory)
@@ -215,7 +117,7 @@ def load(directory: str | Path) -> tuple[effect_types.Family, ...]:
         problem = "it holds no file of an effect, *.py"
         remedy = "Write one: docs/effects.md shows how, examples/effects holds two"
         raise BadInput(source=str(folder), field="--effects-from", problem=problem, remedy=remedy)
-    found = [(path, own_family(path)) for path in paths if path not in _files]
+    found = [(path, own.read(path)) for path in paths if path not in _files]
     added: list[Path] = []
     try:
         for path, family in found:
@@ -230,7 +132,7 @@ def load(directory: str | Path) -> tuple[effect_types.Family, ...]:
 
 
 def _add(family: effect_types.Family, source: str) -> None:
-    require_whole(family, FAMILIES, SOURCES, source)
+    own.require_whole(family, FAMILIES, SOURCES, source)
     _found[family.name], _sources[family.name] = family, source
     try:
         require_usable(family, source)
@@ -241,6 +143,22 @@ def _add(family: effect_types.Family, source: str) -> None:
 
 def _forget(name: str) -> None:
     del _found[name], _sources[name]
+
+
+def require_usable(family: effect_types.Family, source: str) -> None:
+    """Refuse a family of the catalogue whose example cannot be typed, or whose equation breaks a promise.
+
+    Raises
+    ------
+    BadInput : as in `validation.effects.own.require_whole`, or as `validation.effects.own.require_usable`.
+    """
+    try:
+        example = parse(family.example.split(", or ")[0])
+    except BadInput as error:
+        raise own.unsound(source, "example", f"{family.example!r} cannot be typed: {error.problem}", error.remedy) from None
+    if example.family != family.name:
+        raise own.unsound(source, "example", f"is one of {example.family}", f"Write one of {family.name}")
+    own.require_usable(family, example.targets, example.values, source)
 
 
 def code_of_families(folders: Iterable[str]) -> str:
@@ -263,72 +181,14 @@ def add_installed(points: Iterator[EntryPoint]) -> None:
         try:
             value = point.load()
         except Exception as error:
-            raise in_words(error, source, GROUP) from None
+            raise own.in_words(error, source, GROUP) from None
         file = (getsourcefile(value) if ismodule(value) else None) or source
-        _add(of(getattr(value, "FAMILY", value), file), source)
+        _add(own.of(getattr(value, "FAMILY", value), file), source)
 
 
 for _name in ORDER:
     _found[_name] = import_module(f"validation.effects.families.{_name.replace('-', '_')}").FAMILY
 add_installed(iter(entry_points(group=GROUP)))
-
-
-# Whether the fields of a family that somebody brings hold what they must: words, numbers, tuples, functions.
-
-
-Rule = tuple[Callable[[Any], bool], str]
-"""What a field must be, and how that is said."""
-
-
-def _number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and not isnan(value)
-
-
-def _sizes(value: Any) -> bool:
-    return isinstance(value, tuple) and all(isinstance(one, effect_types.SizeSpec) for one in value)
-
-
-TEXT: Rule = (lambda value: isinstance(value, str), "text")
-FLAG: Rule = (lambda value: isinstance(value, bool), "True or False")
-NUMBER: Rule = (_number, "a number")
-FUNCTION: Rule = (lambda value: value is None or callable(value), "a function")
-TEXTS: Rule = (
-    lambda value: isinstance(value, tuple) and all(isinstance(one, str) and one for one in value),
-    'a tuple of texts, ("one",) where there is one',
-)
-
-OF_FAMILY: Mapping[str, Rule] = MappingProxyType(
-    {
-        **dict.fromkeys(("name", "side", "what", "example", "stage", "equation", "confirmed_by", "reference", "sentence"), TEXT),
-        **dict.fromkeys(("targets", "mistaken_for"), TEXTS),
-        "optional": FLAG,
-        "sizes": (_sizes, "a tuple of SizeSpec, (SizeSpec(...),) where there is one"),
-        "varying": (
-            lambda value: isinstance(value, Mapping) and all(isinstance(one, str) and _sizes(value[one]) for one in value),
-            "a mapping from a target to a tuple of SizeSpec",
-        ),
-        "tolerance": NUMBER,
-        **dict.fromkeys(("change", "plant"), FUNCTION),
-    }
-)
-
-OF_SIZE: Mapping[str, Rule] = MappingProxyType(
-    {
-        **dict.fromkeys(("unit", "key"), TEXT),
-        **dict.fromkeys(("low", "high", "null", "plausible"), NUMBER),
-        **dict.fromkeys(("default", "stated"), (lambda value: value is None or _number(value), "a number, or None")),
-        **dict.fromkeys(("whole", "logarithmic"), FLAG),
-    }
-)
-
-
-def _require(noun: Any, rules: Mapping[str, Rule], where: str, source: str) -> None:
-    for field, (holds, words) in rules.items():
-        value = getattr(noun, field)
-        if not holds(value):
-            raise BadInput(
-                source=source, field=f"{where}{field}", problem=f"must be {words}, found {value!r}", remedy="Correct it"
-            )
 
 
 # ``ID=VALUE`` and ``ID=key:number,key:number``: an effect as a user writes it, checked against the catalogue.
@@ -446,9 +306,7 @@ def parse(text: str, words: effect_types.Vocabulary | None = None, *, source: st
     return Named(family=family, targets=tuple(targets), values=values)
 
 
-def parse_all(
-    texts: Sequence[str], words: effect_types.Vocabulary | None = None, *, source: str = "--effect"
-) -> tuple[Named, ...]:
+def parse_all(texts: Sequence[str], words: effect_types.Vocabulary | None = None) -> tuple[Named, ...]:
     """The effects that `texts` name, each one once.
 
     Raises
@@ -457,10 +315,10 @@ def parse_all(
     """
     found: dict[str, Named] = {}
     for text in texts:
-        effect = parse(text, words, source=source)
+        effect = parse(text, words)
         if effect.id in found:
             problem = "is given twice"
-            raise BadInput(source=source, field=effect.id, problem=problem, remedy="Keep one of them, with the whole size")
+            raise BadInput(source="--effect", field=effect.id, problem=problem, remedy="Keep one of them, with the whole size")
         found[effect.id] = effect
     return tuple(found.values())
 
@@ -512,118 +370,6 @@ def _as_factor(text: str, channel: str, words: effect_types.Vocabulary, name: st
 
 def _refused(source: str, name: str, problem: str, family: effect_types.Family) -> BadInput:
     return BadInput(source=source, field=name, problem=problem, remedy=f"Write for example {family.example}")
-
-
-# Stages to try an equation on, and the sizes at which it must change nothing.
-#
-# The stages are those of no test: small, of figures that were drawn once, with every name that the catalogue knows.
-
-
-BASE, OWN, LINES = 6, 3, 5
-OF_ONE_ARTICLE = ("upper-short-silicone", "bolt")
-"""Parts that examples name and no list has."""
-
-ROUNDING = 1e-12
-"""Relative, of the largest entry: what an equation may change by rounding alone."""
-
-
-def unchanged(before: Any, after: Any) -> bool:
-    """Whether two stages are alike to rounding; coordinates that were added may stand there, if nothing drives them."""
-    return all(_alike(getattr(before, one.name), getattr(after, one.name)) for one in fields(before))
-
-
-def _alike(before: Any, after: Any) -> bool:
-    if isinstance(before, Mapping):
-        return before.keys() == after.keys() and all(_alike(before[key], after[key]) for key in before)
-    if isinstance(before, tuple):
-        return len(before) == len(after) and all(_alike(one, other) for one, other in zip(before, after, strict=True))
-    if is_dataclass(before):
-        return unchanged(before, after)
-    if not isinstance(before, np.ndarray):
-        return bool(before == after or np.isclose(before, after, rtol=ROUNDING, atol=0))
-    there = np.asarray(after)
-    if there.ndim != before.ndim or any(n < m for n, m in zip(there.shape, before.shape, strict=True)):
-        return False
-    padded = np.zeros(there.shape, dtype=np.result_type(there, before))
-    inside = tuple(slice(n) for n in before.shape)
-    padded[inside] = before
-    grown = np.array(there)
-    if there.shape != before.shape and there.ndim == 2:
-        own = [k for k in range(max(there.shape)) if k >= max(before.shape) and k < min(there.shape)]
-        grown[own, own] = 0.0  # what an added coordinate is by itself
-    return bool(np.allclose(grown, padded, rtol=0, atol=ROUNDING * max(float(np.max(np.abs(padded), initial=0.0)), 1e-300)))
-
-
-def _drawn(*shape: int) -> Any:
-    return _frozen(np.random.default_rng(sum(shape)).standard_normal(shape))
-
-
-def _complex(*shape: int) -> Any:
-    return _frozen(_drawn(*shape) + 1j * _drawn(*shape, 1)[..., 0])
-
-
-def _frozen(values: Any) -> Any:
-    made = np.array(values)
-    made.setflags(write=False)
-    return made
-
-
-def _positive(n: int, scale: float) -> Any:
-    A = _drawn(n, n)
-    return _frozen(scale * (A @ A.T + n * np.eye(n)))
-
-
-@cache
-def trials() -> Mapping[str, Any]:
-    """By kind, a stage to try an equation on; its arrays cannot be written to."""
-    n, channels, frequency = (
-        BASE + OWN,
-        (*effect_types.TABLE, *effect_types.COVER, *effect_types.FMD),
-        _frozen(np.linspace(10.0, 11.0, LINES)),
-    )
-    held = np.zeros((n, n))
-    held[BASE:, BASE:] = _positive(OWN, 1e5)
-    return {
-        effect_types.STRUCTURE_STAGE: Matrices(
-            base=BASE,
-            mass=_positive(n, 2.0),
-            stiffness=held,
-            viscous=1e-3 * held,
-            structural=1e-2 * held,
-            places={name: _frozen(_drawn(3, n) + k) for k, name in enumerate(effect_types.built_in_places())},
-            parts={name: _frozen(held / len(effect_types.PARTS)) for name in (*effect_types.PARTS, *OF_ONE_ARTICLE)},
-            cog=np.array([0.01, -0.02, 0.3]),
-            joints={"bolt": JointSprings(loads=1e4 * _drawn(6, n), stiffness=np.full(6, 1e6), trace=float(np.trace(held)))},
-            geometric=_frozen(-1e-2 * held),
-        ),
-        effect_types.BODY_STAGE: MountedDynamicMass(
-            frequency=frequency,
-            matrix=_complex(LINES, 6, 6),
-            seat=_frozen([0.01, 0.02, 0.05]),
-            cog=_frozen([0.01, -0.02, 0.3]),
-            amplitude=_frozen([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]),
-            sweep_rate=2 / 60,
-            block=14.5,
-        ),
-        effect_types.CHANNEL_STAGE: ChannelResponse(
-            frequency=frequency,
-            channels=channels,
-            rows=_complex(LINES, len(channels), 6),
-            amplitude=_frozen(1.0 + np.abs(_drawn(LINES, len(channels)))),
-            peak=_frozen(np.full(len(channels), 5.0)),
-        ),
-        effect_types.NOISE_STAGE: NoiseModel(
-            frequency=frequency,
-            channels=channels,
-            quantities=tuple("force" if name in effect_types.FMD else "acceleration" for name in channels),
-            deviation=_frozen(np.full((LINES, len(channels)), 0.1)),
-            per_rms=_frozen(np.full(len(channels), 0.5)),
-            hum=_frozen(np.full((LINES, len(channels)), 0.01)),
-        ),
-        effect_types.PERIOD_STAGE: PendulumSwing(
-            period=2.1, mass=47.0, inertia=2.3, ropes=3, length=2.0, radii=_frozen([0.3, 0.3, 0.3])
-        ),
-    }
 
 
 # Where an effect acts: a structural one wherever its part or its place exists, and nowhere else.
@@ -738,190 +484,3 @@ def of_parts(named: Named) -> bool:
 def on_article(named: Named) -> bool:
     """Whether it needs something that stands on the cover plate."""
     return (FAMILIES[named.family].side == effect_types.STRUCTURE and named.family != "gravity") or named.family == "friction"
-
-
-# Whether a family that somebody brings is whole: all that every command needs, and an equation that keeps its promises.
-
-
-WORDS = {
-    "what": "say in a few words what it is",
-    "sentence": "say what it means to somebody who never heard of it; {target} stands for its target",
-    "equation": "write it in one line, as in a paper",
-    "confirmed_by": "say what would confirm it in the laboratory",
-    "reference": "say where the equation comes from",
-}
-"""What every family must say, and how."""
-
-KINDS = (
-    *effect_types.FIXED,
-    effect_types.CHANNEL,
-    effect_types.FORCE,
-    effect_types.ACCELEROMETER,
-    effect_types.PLACE,
-    effect_types.PART,
-    effect_types.SUPPORT,
-    effect_types.BETWEEN,
-    effect_types.CABLE,
-    effect_types.DRIVE,
-)
-NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
-
-
-def require_whole(
-    family: effect_types.Family, known: Mapping[str, effect_types.Family], sources: Mapping[str, str], source: str
-) -> None:
-    """Refuse a family that lacks something, or has a name that is taken.
-
-    Raises
-    ------
-    BadInput : its file (`source`), the field, what was found, and what to write.
-    """
-    _require(family, OF_FAMILY, "", source)
-    for sizes in (family.sizes, *family.varying.values()):
-        for size in sizes:
-            _require(size, OF_SIZE, "sizes.", source)
-        if len({size.key for size in sizes}) < len(sizes):
-            raise _unsound(source, "sizes", "two of them have the same key", 'Give each its own, Size(key="m", ...)')
-    name = family.name
-    if not NAME.fullmatch(name):
-        raise _unsound(source, "name", f"must be lower-case words joined by -, found {name!r}", "Write for example rope-slack")
-    if name in known:
-        where = sources.get(name, "massline itself")
-        raise _unsound(source, "name", f"an effect called {name!r} is there already, from {where}", "Choose another name")
-    for field, remedy in WORDS.items():
-        if not getattr(family, field).strip():
-            raise _unsound(source, field, "is missing", f"{field}=...: {remedy}")
-    _require_word(family.side, effect_types.SIDES, "side", source)
-    _require_word(family.stage, effect_types.STAGES, "stage", source)
-    for kind in family.targets:
-        _require_word(kind, KINDS, "targets", source)
-    for size in dict.fromkeys((*family.sizes, *(one for sizes in family.varying.values() for one in sizes))):
-        what = f"sizes ({size.key})" if size.key else "sizes"
-        if not size.unit.strip():
-            raise _unsound(source, what, "its unit is missing", 'Give it in SI, "1" for a ratio')
-        if not (isfinite(size.low) and isfinite(size.high) and size.low < size.high):
-            raise _unsound(source, what, f"low must lie below high, found {size.low:g} and {size.high:g}", "Correct them")
-        if not (isfinite(size.plausible) and size.plausible >= 0):
-            raise _unsound(source, what, f"plausible must be 0 or more, found {size.plausible:g}", "It is a standard deviation")
-    if family.stage == effect_types.OPENED:
-        remedy = f"Name what it changes, one of {', '.join(effect_types.STAGES[:-1])}, and give `change`"
-        raise _unsound(source, "stage", "is opened, and no parameter of a laboratory has its name", remedy)
-    if family.change is None:
-        raise _unsound(source, "change", "is missing", "Write change(stage, targets, values) and return the changed stage")
-
-
-def _require_word(word: str, words: tuple[str, ...], field: str, source: str) -> None:
-    if word not in words:
-        remedy = f"{nearest(word, words)}Known are {', '.join(words)}"
-        raise _unsound(source, field, f"must be one of those known, found {word!r}", remedy)
-
-
-def _unsound(source: str, field: str, problem: str, remedy: str) -> BadInput:
-    return BadInput(source=source, field=field, problem=problem, remedy=remedy)
-
-
-# An equation tried before it is taken: what kind of stage it returns, of what shape, and whether it keeps its promises.
-#
-# At the null size it changes nothing. On channels it is linear in the rows; what it adds to matrices does not depend on them.
-# Derivatives by all other parameters pass through it on the strength of that.
-
-
-ADDED_TO = ("mass", "stiffness", "viscous", "structural")
-SAME = 1e-9
-"""Relative, of the largest entry: rounding of a product."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class FamilyTrial:
-    """The equation of a family at its example.
-
-    Attributes
-    ----------
-    change : the equation
-    example : targets and sizes
-    source : the file, for messages
-    """
-
-    change: effect_types.Change
-    example: Named
-    source: str
-
-    def on(self, stage: Any, values: Mapping[str, float] | None = None) -> Any:
-        """What the equation makes of `stage`, at the example's sizes or at others.
-
-        Raises
-        ------
-        BadInput : it is no stage of that kind, or does not fit the one that came in.
-        """
-        found = self.change(stage, self.example.targets, self.example.values if values is None else values)
-        if type(found) is not type(stage):
-            problem = f"must return the changed {type(stage).__name__}, found {type(found).__name__}"
-            raise self.refused(problem, "Return dataclasses.replace(stage, ...)")
-        pairs = [(one.name, getattr(stage, one.name), getattr(found, one.name)) for one in fields(stage)]
-        inner = [
-            (f"{name}[{key!r}]", one[key], now.get(key)) for name, one, now in pairs if isinstance(one, Mapping) for key in one
-        ]
-        for name, was, now in (*pairs, *inner):
-            if not isinstance(was, np.ndarray) or was.dtype.kind not in "fc":
-                continue
-            # `was.shape` with the coordinates that matrices have gained; nothing else may grow
-            if not isinstance(stage, Matrices):
-                needed = was.shape
-            else:
-                k = len(stage.mass)
-                needed = tuple(len(found.mass) if n == k else n for n in was.shape)
-            if np.shape(now) != needed:
-                problem = f"leaves `{name}` of shape {np.shape(now)}, where {needed} is needed"
-                raise self.refused(problem, "Return arrays of the shape that came in")
-            if not np.all(np.isfinite(now)):
-                raise self.refused(f"leaves values in `{name}` that are no numbers", "Correct the equation")
-        return found
-
-    def refused(self, problem: str, remedy: str) -> BadInput:
-        """What is wrong with the equation."""
-        return BadInput(source=self.source, field="change", problem=problem, remedy=remedy)
-
-
-def require_usable(family: effect_types.Family, source: str) -> None:
-    """Refuse a family of the catalogue whose example cannot be typed, or whose equation breaks a promise.
-
-    Raises
-    ------
-    BadInput : as in `require_whole`; as `FamilyTrial.on`, or which promise is broken.
-    """
-    try:
-        example = parse(family.example.split(", or ")[0])
-    except BadInput as error:
-        raise _unsound(source, "example", f"{family.example!r} cannot be typed: {error.problem}", error.remedy) from None
-    if example.family != family.name:
-        raise _unsound(source, "example", f"is one of {example.family}", f"Write one of {family.name}")
-    if family.change is None:
-        return
-    trial, stage = FamilyTrial(change=family.change, example=example, source=source), family.stage
-    if stage not in effect_types.STAGES[:-1]:
-        raise trial.refused(f"changes {stage!r}, which is no stage", f"Known are {', '.join(effect_types.STAGES[:-1])}")
-    before = trials()[stage]
-    after = trial.on(before)
-    if sizes := example.sizes:  # no effect: the first at its `null`, all others as in the example
-        null = {**example.values, sizes[0].key: sizes[0].null}
-        if not unchanged(before, trial.on(before, null)):
-            at = ", ".join(f"{key or 'size'} {value:g}" for key, value in null.items())
-            raise trial.refused(f"changes something at {at}, where there is no effect", "Correct it, or `null`")
-    if stage == effect_types.CHANNEL_STAGE:
-        turned = 2.0 * np.exp(0.7j)
-        twice = trial.on(replace(before, rows=turned * before.rows))
-        if not _behave_alike(twice.rows, turned * after.rows):
-            problem = "is not linear in `rows`: derivatives could not pass through it"
-            raise trial.refused(problem, "Multiply rows, or add one to another; take levels from `amplitude`")
-    if stage == effect_types.STRUCTURE_STAGE:
-        other = trial.on(replace(before, **{name: 1.5 * getattr(before, name) for name in ADDED_TO}))
-        n = len(before.mass)
-        for name in ADDED_TO:
-            was, shift = getattr(before, name), getattr(other, name) - getattr(after, name)
-            if not _behave_alike(shift[:n, :n], 0.5 * was):
-                problem = f"adds to `{name}` what depends on the matrices that are there: derivatives could not pass it"
-                raise trial.refused(problem, "Build what is added of `places`, `parts` and `cog`")
-
-
-def _behave_alike(found: Any, expected: Any) -> bool:
-    return bool(np.allclose(found, expected, rtol=0, atol=SAME * float(np.max(np.abs(expected)))))

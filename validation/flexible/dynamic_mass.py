@@ -5,16 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.articles import NAMES, built_in
-from geometry.dynamic_mass import DynamicMass
+from geometry.dynamic_mass import MOTIONS, DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose
 from validation.flexible.model import Flexible, FlexibleOptions, flexible, require_base, require_model, require_used
 from validation.output import derived, entry, shown, unwritten
 
 UNITS = ("kg", "kg", "kg", "kg m²", "kg m²", "kg m²")
-
-ORDER = ("x", "y", "z", "alpha", "beta", "gamma")
-"""Of the entries of a matrix, as JSON has it."""
+"""Of effective masses, by axis."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -56,7 +54,7 @@ class Curves:
             "im": H.matrix.imag,
             "about": self.about,
             "reference_point_mm": 1e3 * H.reference_point,
-            "order": ORDER,
+            "order": MOTIONS,
             "peaks": self.peaks,
             **compared,
         }
@@ -189,7 +187,7 @@ class Peak:
     amplification : over the rigid body's [1]
     """
 
-    axis: int = entry(write=ORDER.__getitem__)
+    axis: int = entry(write=MOTIONS.__getitem__)
     frequency: float = entry("frequency_hz", unit="Hz")
     magnitude: float
     amplification: float = unwritten()

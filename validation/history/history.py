@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 from hashlib import file_digest, sha256
 from importlib.metadata import version
 from importlib.resources import files
-from math import isfinite, nan
+from math import nan
 from pathlib import Path
 from platform import python_version
 from types import MappingProxyType
@@ -30,8 +30,7 @@ from identification.campaign import METHODS
 from identification.quality import NORMAL_95, sizes
 from validation.classical import files as classical_files
 from validation.effects.effect import evidence_threshold
-from validation.estimation.verdicts import ABSURD, costly
-from validation.output import entry, from_json, json_text, nats, odds, to_json, with_unit
+from validation.output import entry, from_json, json_text, to_json
 from validation.reference.statement import COG, inertia_of
 
 START, ADDED, EDITED, OTHER_DATA = CAUSES = ("start", "added", "edited by hand", "other data")
@@ -754,105 +753,3 @@ def digest(path: str) -> str:
 def _of_file(path: Path) -> str:
     with path.open("rb") as stream:
         return file_digest(stream, "sha256").hexdigest()
-
-
-# What is to be thought of an effect that was added: is it worth a parameter, does it hold elsewhere, is it a fault at all.
-
-
-FALLS = 0.02
-"""Share of an error by which it must change for us to say so."""
-
-
-def is_worth_adding(rung: Version) -> bool:
-    """Whether the evidence speaks for the effect of `rung`."""
-    return rung.gain is not None and rung.gain > rung.asked_gain
-
-
-def verdict(before: Version, after: Version, tolerances: Mapping[str, float], nulls: Mapping[str, float]) -> Iterator[str]:
-    """Sentences about the effect that leads from `before` to `after`; none where one of them has no figures.
-
-    Parameters
-    ----------
-    tolerances : by key of its sizes, what a careful laboratory or the model admits of it, one standard deviation; 0 for nothing
-    nulls : by key, the size at which there is no effect
-    """
-    old, new = before.errors, after.errors
-    if old is None or new is None:
-        return
-    if not (old.converged and new.converged):
-        yield "A fit did not converge: none of these figures is the last word."
-    if not all(body.converged for body in after.bodies):
-        yield "The fit of the identified inertia did not converge: its figures are not the last word."
-    gain, asked = after.gain, after.asked_gain
-    said = "" if gain is None else nats(abs(gain)).lstrip("+")
-    if gain is None or not isfinite(gain):
-        yield "Evidence cannot be compared: the rung before stands on other data."
-    elif gain > asked:
-        yield f"It is worth a parameter: the evidence rises by {said} nats, odds of {odds(gain)}, where {asked:g} are asked for."
-    else:
-        told = f"{'falls' if gain < 0 else 'rises'} by {said} nats, where a rise of {asked:g} is asked for"
-        yield f"It is not worth a parameter: the evidence {told}."
-    yield f"The plain error {_change(old.plain, new.plain)} on the data it was fitted to."
-    # The channel that gained most, where others hide it in the whole
-    known = [name for name in new.by_channel if name in old.by_channel]
-    gained = {name: old.by_channel[name] ** 2 - new.by_channel[name] ** 2 for name in known}
-    best = max(gained, key=lambda name: gained[name], default="")
-    if best and new.by_channel[best] < (1 - FALLS) * old.by_channel[best]:
-        was, now = percent(old.by_channel[best]), percent(new.by_channel[best])
-        yield f"Of its channels {best} gains most: {was} before and {now} after."
-    if old.held_out is None or new.held_out is None:
-        yield "No data were left for checking, so that nothing says whether it holds elsewhere."
-    else:
-        yield f"It {_change(old.held_out, new.held_out)} on data used only for checking."
-        known = [name for name in new.by_fold if name in old.by_fold]
-        fell = [name for name in known if new.by_fold[name] < (1 - FALLS) * old.by_fold[name]]
-        rose = [name for name in known if new.by_fold[name] > (1 + FALLS) * old.by_fold[name]]
-        if rose and len(known) > 1:
-            worst = max(rose, key=lambda name: new.by_fold[name] / old.by_fold[name])
-            told = f"most of all {worst}: {percent(old.by_fold[worst])} before and {percent(new.by_fold[worst])} after"
-            yield f"Of {len(known)} that were left out of the fit in turn {len(fell)} fell and {len(rose)} rose, {told}."
-        if new.plain < (1 - FALLS) * old.plain and new.held_out > (1 + FALLS) * old.held_out:
-            yield "What it explains here it does not explain there: it fits the data, not the structure."
-    for size in after.effects.get(after.effect, ()):
-        yield _size(size, tolerances.get(size.key, 0.0), nulls.get(size.key, 0.0))
-    # Judged as `massline compare` judges it
-    if new.tolerances and costly(new.tolerance_z2, new.due_z2, new.largest_z or 0.0):
-        many = f"sum z² {new.tolerance_z2:.3g}, where about {new.due_z2:.0f} is due"
-        most = "" if new.largest_z is None or new.largest_z < ABSURD else f", one moved by {new.largest_z:.1f} of its deviations"
-        yield f"The prior penalty of the tolerances stays too high, {many}{most}: something else is wrong, however good chi² is."
-
-
-def _change(old: float, new: float) -> str:
-    if new < (1 - FALLS) * old:
-        return f"falls from {percent(old)} to {percent(new)}"
-    if new > (1 + FALLS) * old:
-        return f"rises from {percent(old)} to {percent(new)}"
-    return f"does not fall ({percent(old)} before and {percent(new)} after)"
-
-
-def _size(size: VersionSize, tolerance: float, null: float) -> str:
-    name, u = f"Its {size.key}" if size.key else "Its size", with_unit("", size.unit)
-    if size.deviation is None:
-        return f"{name} was given, not fitted: {size.value:.4g}{u}."
-    off, half = abs(size.value - null), NORMAL_95 * size.deviation
-    told = f"{name}, {size.value:.4g} ± {half:.2g}{u} (95 %),"
-    admitted = f"within its tolerance of {tolerance:.2g}{u}, one standard deviation"
-    if size.deviation == 0:
-        return f"{name} ends at the bound of what its family allows, {size.value:.4g}{u}: the data want it beyond."
-    if tolerance > 0 and off <= NORMAL_95 * tolerance:
-        return f"{told} lies {admitted}: it is no fault."
-    if tolerance > 0 and off - half <= NORMAL_95 * tolerance:
-        return f"{told} may yet lie {admitted}."
-    if off <= half:
-        return f"{told} cannot be told from no effect."
-    return f"{name} is {size.value:.4g} ± {half:.2g}{u} (95 %)."
-
-
-def percent(value: float | None) -> str:
-    """An error with three digits."""
-    return "–" if value is None else f"{value:.3g} %"
-
-
-def sentence(text: str) -> str:
-    """`text` with a capital and one full stop."""
-    return f"{text[:1].upper()}{text[1:].rstrip('.')}."

@@ -27,7 +27,8 @@ from identification.spectra import noise
 from identification.spectra.line_spectra import Spectra, full_record
 from validation.flexible.model import Flexible, FlexibleOptions, flexible, nearest_part
 from validation.flexible.modes import displacement
-from validation.identify.identify import Reported, by_kind, reported, tolerances_of
+from validation.identify.identify import Reported, by_kind, reported
+from validation.identify.request import tolerances_of
 from validation.output import derived, entry, inertia_json, unwritten
 from validation.virtual_test import simulate
 from validation.virtual_test.plan import BEAM, NOISE, Plan, Scatter

@@ -1,6 +1,6 @@
 """From a model file to a `Model`: every key known, every size with its unit, every effect one of the catalogue.
 
-``docs/model-file.md`` shows the file, `validation.model.model_file` writes it.
+``docs/model-file.md`` shows the file.
 """
 
 import os
@@ -90,7 +90,7 @@ def as_number(table: Fields, key: str, *, low: float = -LARGEST, high: float = L
     return checked(table, key, table.table[key], low=low, high=high, above=above)
 
 
-def three(table: Fields, key: str, *, low: float = -LARGEST, high: float = LARGEST, above: bool = False) -> list[float]:
+def three(table: Fields, key: str, *, low: float, high: float) -> list[float]:
     """Three numbers under `key`, each as `number` has it.
 
     Raises
@@ -101,7 +101,7 @@ def three(table: Fields, key: str, *, low: float = -LARGEST, high: float = LARGE
     if not isinstance(value, list) or len(value) != 3:
         problem = "is missing" if value is None else f"three numbers are expected, found {value!r}"
         raise table.refused(key, problem, "Write [x, y, z]")
-    return [checked(table, key, one, low=low, high=high, above=above) for one in value]
+    return [checked(table, key, one, low=low, high=high) for one in value]
 
 
 def checked(table: Fields, key: str, value: object, *, low: float, high: float, above: bool = False) -> float:
@@ -193,13 +193,10 @@ def _written(entry: Fields, key: str) -> str:
     value = entry.table.get(key, "")
     if isinstance(value, str):
         return value
+    typed = partial(checked, entry, key, low=-LARGEST, high=LARGEST)
     if isinstance(value, dict):
-        return ",".join(f"{inner}:{_typed(entry, key, one)}" for inner, one in value.items())
-    return _typed(entry, key, value)
-
-
-def _typed(entry: Fields, key: str, value: object) -> str:
-    return repr(checked(entry, key, value, low=-LARGEST, high=LARGEST))
+        return ",".join(f"{inner}:{typed(one)!r}" for inner, one in value.items())
+    return repr(typed(value))
 
 
 def _deviation(entry: Fields, named: Named) -> Mapping[str, float]:
@@ -558,18 +555,15 @@ def draft(article: str, out: Path | None = None) -> Model:
         if article.split("+")[0] != KNOWN_FMD:
             problem = "a model file describes what stands on the FMD, which must be the lowest of the stack"
             raise BadInput(source=f"article {article}", problem=problem, remedy=f"Name {KNOWN_FMD}+{article}")
-        title = "the FMD alone" if article == KNOWN_FMD else f"{above_fmd(article)} on the FMD"
-        return _ordinary(article, title, out, {})
-    if is_model(article):
-        if not path.is_file():
-            raise BadInput(source=article, problem="there is no such file", remedy="Check the path")
+        title, own = "the FMD alone" if article == KNOWN_FMD else f"{above_fmd(article)} on the FMD", dict[str, str]()
     else:
-        path = require_file(article)
-    name = path.parent.resolve().name if path.name == DESCRIPTION else path.stem
-    return _ordinary(f"{KNOWN_FMD}+{name}", f"{name} on the FMD", out, {f"{KNOWN_FMD}+{name}": str(path)})
-
-
-def _ordinary(article: str, title: str, out: Path | None, own: dict[str, str]) -> Model:
+        if not is_model(article):
+            path = require_file(article)
+        elif not path.is_file():
+            raise BadInput(source=article, problem="there is no such file", remedy="Check the path")
+        name = path.parent.resolve().name if path.name == DESCRIPTION else path.stem
+        article, title = f"{KNOWN_FMD}+{name}", f"{name} on the FMD"
+        own = {article: str(path)}
     fmd_tolerance = Tolerances().fmd_inertia
     return Model(source=str(out or "model.toml"), title=title, article=article, fmd_tolerance=fmd_tolerance, own=own)
 

@@ -9,7 +9,7 @@ import click
 import numpy as np
 
 from geometry.atomic import write_text
-from geometry.dynamic_mass import DynamicMass
+from geometry.dynamic_mass import SIGNS, DynamicMass
 from geometry.frames import Array
 from validation.compare.compare import Comparison, compared, run, text, worst_pairs
 from validation.compare.correlation import FunctionCorrelation, ModalCorrelation
@@ -33,9 +33,6 @@ COMPARISON_PAIRS = 5
 
 CHANCE = 3
 """Spots that are shown where none stands out."""
-
-SIGNS = ("x", "y", "z", "α", "β", "γ")
-"""Of loads and base motions in the name of an entry of H."""
 
 
 def document(found: Comparison) -> doc.Document:
@@ -511,7 +508,6 @@ def functions_html(report: Report, figures: doc.Figures) -> doc.Safe:
 
 
 def _select(what: str, part: str, names: Sequence[str], group: str, chosen: int) -> doc.Safe:
-    from validation.report.charts.maps import SIGNS
 
     options = [
         doc.tag("option", f"{sign}: {name}", value=str(k), selected=k == chosen)

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial
 from math import isfinite
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -23,29 +22,24 @@ from validation.diagnose.diagnosis import Needed, SwingAnswer
 from validation.diagnose.nonlinear import require_levels
 from validation.diagnose.pendulum import only_classical
 from validation.effects.catalogue import FAMILIES
-from validation.effects.effect import MISTAKE as OF_MISTAKES
 from validation.effects.effect import evidence_threshold
 from validation.effects.practical_units import said, written_as
 from validation.estimation.evaluate import named, without
-from validation.history import add
-from validation.history.add import at_offsets, kept_offsets
-from validation.history.history import HistoryPosition, Version, history_position, is_worth_adding, reminded, undone
+from validation.history.history import Version, reminded
+from validation.history.verdict import at_offsets, kept_offsets
 from validation.model import model_file
-from validation.model.model import Added, Model
+from validation.model.model import Added
 from validation.output import NONE, json_text, nats, odds, share_done, significant, stages, to_json, two_digits, with_unit
 from validation.reference.reference import file_name
 from validation.report import document as doc
-from validation.report import history
+from validation.report import history, parts
 from validation.report.charts import crosscheck
 from validation.report.charts.crosscheck import standing_of, tried
 from validation.report.compare import correlation_tables, draw_channels
 from validation.report.document import NOTHING as EMPTY
-from validation.report.history import of_ladder
-from validation.report.parts import ERRORS as ERROR_NAMES
-from validation.report.parts import Picture, Report, error_figures, error_lines, paragraphs, picture, section
-from validation.report.parts import notes as parts_notes
-from validation.report.scenes.nodes import NOTE, draw_nodes
-from validation.study import Options, Study, only_files
+from validation.report.history import climb, of_ladder
+from validation.report.scenes.motion import NOTE, draw_nodes
+from validation.study import Options, Progress, Study, only_files
 
 EVIDENCE, ERRORS, EVERYWHERE = "diagnose-evidence.png", "diagnose-errors.png", "diagnose-everywhere.png"
 EVIDENCE_NOTE = (
@@ -82,120 +76,6 @@ def asked(found: results.Diagnosis) -> float | None:
     return float(said[""]) if isinstance(said, Mapping) and "" in said else None
 
 
-# `massline diagnose --auto`: diagnose, add what is missing as a rung, and diagnose again, until the rules say stop.
-#
-# A rung is made by `validation.history.add`, as `massline add` makes it: fitted anew, evaluated on held-out data, kept at
-# once. So an interruption loses no rung that was finished, and the next run begins where the model file stands. The rules:
-#
-#     nothing      is missing any more: done
-#     missing, several    every effect that was accepted becomes a rung, and the new model is diagnosed
-#     mistake      the mistakes alone become rungs; what there is beside them is for the diagnosis of the new model to say
-#     ambiguous    the first of those that cannot be told apart becomes a rung, which says so; only another measurement goes on
-#     nonlinear    likewise, and what a linear fit would say beyond that is nonsense
-#     unknown      no name is worth a rung; what is named beside what is left is for `massline add`
-#     a rung that is not worth a parameter by the ladder's own figures is left again, and ends the climb
-
-
-MOST_ROUNDS = 6
-"""Diagnoses in a row, before something is wrong with the climb itself."""
-
-ENDED = {
-    results.NOTHING: "nothing more{asked} is missing at the resolution of these data",
-    results.AMBIGUOUS: "these data cannot tell what comes next; the rung takes the first of those that explain them alike",
-    results.NONLINEAR: "what depends on the level is no matter of a linear fit",
-    results.UNKNOWN: "what is left is explained by no effect that was looked for",
-}
-"""Why a climb ends, by the last verdict."""
-
-NOT_WORTH = "{effect} is not worth a parameter by the ladder's figures: the model went back to rung {below}"
-NO_MORE = "what was found is in the model already"
-TOO_LONG = "{rounds} diagnoses in a row found something: look at the ladder before going on"
-
-Progress = Callable[[str, float], None]
-Diagnose = Callable[[Study], results.Diagnosis]
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Climb:
-    """What came of it.
-
-    Attributes
-    ----------
-    rounds : the diagnoses, one after the other
-    rungs : that were made
-    ended : why it ended
-    at : where the model stands now
-    """
-
-    rounds: tuple[results.Diagnosis, ...]
-    rungs: tuple[Version, ...]
-    ended: str
-    at: HistoryPosition
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class DiagnosisListener:
-    """Who hears of what is finished: a diagnosis, a rung, and how far the work is."""
-
-    diagnosed: Callable[[results.Diagnosis], None] = lambda found: None
-    added: Callable[[Version], None] = lambda rung: None
-    progress: Progress = lambda what, share: None
-
-    def said(self, of: str, what: str, share: float) -> None:
-        """Progress of a part `of` the work."""
-        self.progress(f"{of}: {what}", share)
-
-
-def climb(asked: Options, bench: Study, diagnose: Diagnose, heard: DiagnosisListener | None = None) -> Climb:
-    """Climb the ladder of the model that is `asked`.
-
-    Parameters
-    ----------
-    bench : of that model
-    diagnose : makes the diagnosis of a bench
-
-    Raises
-    ------
-    BadInput : a rung cannot be made, see `validation.history.add.added`.
-    CheckFailed : a baseline does not converge.
-    OSError : the ladder or the model file cannot be written.
-    """
-    told, rounds, rungs = heard or DiagnosisListener(), [], []
-    while True:
-        found = diagnose(bench)
-        rounds.append(found)
-        told.diagnosed(found)
-        ended = ENDED.get(found.verdict, "").format(asked=results.asked(found))
-        more = new(found, bench.model)
-        for cause in more:
-            others = [id for id in found.equivalence_class if id != cause.id] if cause.id in found.equivalence_class else []
-            remarks = (f"These data cannot tell it from {' or '.join(others)}.",) if others else ()
-            progress = partial(told.said, f"adding {cause.id}")
-            step = add.added(bench, add.AddedEffectOptions(effect=str(cause.named), remarks=remarks), progress)
-            rung = step.after
-            if not is_worth_adding(rung) and rung.gain is not None:
-                undone(history_position(asked.path))
-                ended = NOT_WORTH.format(effect=cause.id, below=step.before.number)
-                break
-            rungs.append(rung)
-            told.added(rung)
-        if not ended and (not more or len(rounds) >= MOST_ROUNDS):
-            ended = TOO_LONG.format(rounds=len(rounds)) if more else NO_MORE
-        if ended:
-            return Climb(rounds=tuple(rounds), rungs=tuple(rungs), ended=ended, at=history_position(asked.path))
-        bench = bench.by(model_file.read(asked.model))
-
-
-def new(found: results.Diagnosis, model: Model) -> tuple[results.Cause, ...]:
-    """What becomes a rung: accepted, and not in `model` yet; of an unknown one nothing: what is named is for `massline add`."""
-    if found.verdict == results.UNKNOWN:
-        return ()
-    known = {one.named.id for one in model.effects}
-    more = tuple(one for one in found.accepted if one.id not in known)
-    wrong = tuple(one for one in more if FAMILIES[one.named.family].side == OF_MISTAKES)
-    return wrong if found.verdict == results.MISTAKE and wrong else more
-
-
 # The smallest sizes that would have been named, for people: by side of the catalogue and family, in units of a laboratory.
 
 
@@ -209,8 +89,7 @@ class DetectableRow:
 
     Attributes
     ----------
-    side : of the catalogue: "structure", "force side" and so on
-    family : its name
+    side, family : of the catalogue: "structure", "force side" and so on; its name
     unit : SI
     text : least and greatest over its targets in a practical unit: "12 mm", "1.5 % to 2.2 %", "at no size"
     best, worst : targets of these, with what they belong to ("21 Hz"); empty where there is none
@@ -582,17 +461,15 @@ class DiagnosisPage:
         if of is None:
             return None
         where = f"{of.load} by {of.motion}" if of.load else ", ".join(of.channels[:4])
-        size = NONE if of.size is None else with_unit(f"{of.size:.3g}", of.unit)
-        at = NONE if of.frequency is None else f"{of.frequency:.2f} Hz"
         lines = (
             ("what is left", of.text),
             ("looks like", of.looks_like),
-            ("where", where or NONE),
-            ("size", size),
-            ("resonance at", at),
+            ("where", where),
+            ("size", "" if of.size is None else with_unit(f"{of.size:.3g}", of.unit)),
+            ("resonance at", "" if of.frequency is None else f"{of.frequency:.2f} Hz"),
             ("share of it that this covers", f"{100 * of.share:.0f} %"),
         )
-        kept = tuple(line for line in lines if line[1] != NONE)
+        kept = tuple(line for line in lines if line[1] not in ("", NONE))
         return doc.Grid(header=("leftover", "in words"), lines=kept, words=True, caption="What no effect explains")
 
     def everywhere(self) -> doc.Grid | None:
@@ -612,7 +489,7 @@ class DiagnosisPage:
         """The same on the user's own mesh; nothing where nothing can be drawn."""
         with TemporaryDirectory() as folder, suppress(CheckFailed, ModuleNotFoundError):
             if made := draw_nodes(self.found.nodes, Path(folder) / EVERYWHERE):
-                return picture(Picture(png=made.read_bytes(), said=f"Everywhere on the mesh. {NOTE}"))
+                return parts.picture(parts.Picture(png=made.read_bytes(), said=f"Everywhere on the mesh. {NOTE}"))
         return None
 
     def levels(self) -> doc.Grid:
@@ -632,7 +509,7 @@ class DiagnosisPage:
         """The four errors without and with what was accepted."""
         before, after = self.found.before, self.found.after
         both = (before,) if before is after else (before, after)
-        kept = [(name, cells) for name, cells in error_lines(*both) if set(cells) != {NONE}]
+        kept = [(name, cells) for name, cells in parts.error_lines(*both) if set(cells) != {NONE}]
         gain = after.fitted.log_evidence - before.fitted.log_evidence
         if len(both) > 1 and self.found.verdict not in NOT_FITTED:
             kept.append(("evidence gained [nats]", [NONE, nats(gain)]))
@@ -642,12 +519,12 @@ class DiagnosisPage:
 
     def errors_of_page(self) -> doc.Table:
         """The same for a page, an error a row with its unit; none where nothing was found."""
-        before, after = error_figures(self.found.before), error_figures(self.found.after)
+        before, after = parts.error_figures(self.found.before), parts.error_figures(self.found.after)
         changed = self.found.after is not self.found.before
         return doc.Table(
             caption="The errors before and after what was found is added",
             note="Made at fewer lines than those of a comparison, so that their last digits differ.",
-            rows=[row for row in ERROR_NAMES if before[row[2]] is not None and changed],
+            rows=[row for row in parts.ERRORS if before[row[2]] is not None and changed],
             columns=(
                 doc.Column("error", lambda row: row[0], words=True),
                 doc.Column("unit", lambda row: row[1], words=True),
@@ -858,21 +735,19 @@ def diagnosis(asked: Options, bench: Study, progress: Progress | None = None) ->
 
 def _climbed(asked: Options, bench: Study, *, as_json: bool) -> tuple[results.Diagnosis, dict[str, Any]]:
     """The first diagnosis of a climb, and what JSON has of the others and of the ladder; the rest is printed as it comes."""
-    pages = 0
 
-    def first(found: results.Diagnosis) -> None:
-        nonlocal pages
-        if not pages and not as_json:
+    def diagnosed(at: Study) -> results.Diagnosis:
+        found = diagnosis(asked, at, told)
+        if at is bench and not as_json:
             click.echo(text(asked, bench, found))
-        pages += 1
+        return found
 
     def added(rung: Version) -> None:
         if not as_json:
             click.echo(doc.page(f"Rung {rung.number}: {rung.effect} added", (), rung.verdict))
 
     with stages("climbing", quiet=as_json) as told:
-        heard = DiagnosisListener(diagnosed=first, added=added, progress=told)
-        found = climb(asked, bench, lambda at: diagnosis(asked, at, told), heard)
+        found = climb(asked, bench, diagnosed, added, told)
     if not as_json:
         click.echo(f"The climb ends: {found.ended}.\n")
         click.echo(history.text(found.at) if found.at.ladder.rungs else "", nl=False)
@@ -905,19 +780,19 @@ def of_asked(asked: Options, bench: Study) -> dict[str, Any]:
 # What is missing: ranked causes with evidence and sizes, what each means and how to confirm it, the next measurement.
 
 
-def html(report: Report, figures: doc.Figures) -> doc.Safe:
+def html(report: parts.Report, figures: doc.Figures) -> doc.Safe:
     """The section."""
     found = report.diagnosis
     if found is None:
-        told = paragraphs([f"It was not looked for: {report.not_diagnosed or 'nobody asked'}."])
-        return section("missing", "What is missing", told)
+        told = parts.paragraphs([f"It was not looked for: {report.not_diagnosed or 'nobody asked'}."])
+        return parts.section("missing", "What is missing", told)
     said = document(found)
     first, *others = said.opening
-    return section(
+    return parts.section(
         "missing",
         "What is missing",
         doc.tag("p", first, class_="headline"),
-        paragraphs(others),
+        parts.paragraphs(others),
         *said.html(figures),
-        parts_notes(said.notes),
+        parts.notes(said.notes),
     )

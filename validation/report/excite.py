@@ -36,8 +36,6 @@ from validation.virtual_test.simulate import SimulateOptions, VirtualTest
 # What `massline excite` prints: runs, peak loads, resonances, load cells, and below them what must be known to read them.
 
 
-UNITS = ("m/s²",) * 3 + ("rad/s²",) * 3
-
 LEVEL = {
     SWEEP: "largest amplitude within the band",
     MULTI: "largest amplitude within the band, with what the other axes add",
@@ -101,7 +99,7 @@ def document(made: PreparedRuns, outcomes: Sequence[Outcome]) -> Document:
         return f"{kept}, sufficient" if one.ring_down.sufficient else f"CUT: {kept} of {one.ring_down.needed:.1f} s needed"
 
     def level(one: Outcome) -> str:
-        return "".join(f"{of.realised:.4g} of {of.asked:.4g} {UNITS[of.axis]}" for of in one.levels[:1])
+        return "".join(f"{of.realised:.4g} of {of.asked:.4g} {campaign_page.LEVEL_UNITS[of.axis]}" for of in one.levels[:1])
 
     def share(of: float) -> str:
         return f"{100 * of:.2g} % of the time" if of else "never"
@@ -311,8 +309,8 @@ class RunPicture:
         driven = one.run.axes[0]
         yield PanelRow(
             title=f"Acceleration of the table {'along' if driven < 3 else 'about'} {MOTIONS[driven]}",
-            unit=UNITS[driven],
-            unit_of_amplitude=UNITS[driven] + view.per,
+            unit=campaign_page.LEVEL_UNITS[driven],
+            unit_of_amplitude=campaign_page.LEVEL_UNITS[driven] + view.per,
             signals=(signal(MOTIONS[driven], response.table[:, driven]),),
             logarithmic=False,
         )

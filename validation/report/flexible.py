@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry.atomic import write_text, write_with
-from geometry.dynamic_mass import MOTIONS, DynamicMass
+from geometry.dynamic_mass import MOTIONS, SIGNS, DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array
 from identification import measured_functions
@@ -39,8 +39,6 @@ from validation.verification.check import CheckResult, Error
 if TYPE_CHECKING:
     from rich.table import Table as RichTable
 
-
-AXES = ("x", "y", "z", "α", "β", "γ")
 
 NOTHING = 1e-6
 """Share of the rigid mass below which an effective mass is printed as 0."""
@@ -91,7 +89,7 @@ def of_columns(header: Sequence[str], lines: Sequence[tuple[str, ...]], *, words
 
 
 def _heads() -> tuple[str, ...]:
-    return tuple(f"{axis} [{unit}]" for axis, unit in zip(AXES, UNITS, strict=True))
+    return tuple(f"{axis} [{unit}]" for axis, unit in zip(SIGNS, UNITS, strict=True))
 
 
 def _masses(masses: Array, rigid: Array) -> tuple[str, ...]:
@@ -287,7 +285,7 @@ def dynamic_mass_document(found: Curves) -> Document:
     peaks = Table(
         rows=found.peaks,
         columns=(
-            Column("peak of", lambda p: AXES[p.axis]),
+            Column("peak of", lambda p: SIGNS[p.axis]),
             Column("at [Hz]", lambda p: p.frequency, ".2f"),
             Column("|H|", lambda p: f"{output.fixed(p.magnitude, DECIMALS)} {p.unit}"),
             Column("times rigid", lambda p: f"{p.amplification:.2f}"),
@@ -585,7 +583,7 @@ def html(report: Report, figures: Figures) -> Safe:
         near = sum(one.frequency <= 2 * float(of.frequency[-1]) for one in modes)
         least = SMALL * np.max([one.effective_mass or (0.0,) * 6 for one in modes], axis=0)
         driven = range(6) if any(one.effective_mass for one in modes) else range(0)
-        along = [Column(f"m eff {AXES[k]}", partial(mass, k, least[k]), unit=UNITS[k]) for k in driven]
+        along = [Column(f"m eff {SIGNS[k]}", partial(mass, k, least[k]), unit=UNITS[k]) for k in driven]
         table = Table(
             caption=f"Modes of {of.configuration} ({of.data_set})",
             rows=[one for one in modes[: min(max(near, FEWEST), MOST)] if one.frequency < HEAVY * of.frequency[-1]],

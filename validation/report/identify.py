@@ -21,7 +21,8 @@ from identification.elastic.model import dynamic_mass
 from identification.quality import NORMAL_95, impossible
 from identification.response_functions import ResponseFunctions
 from validation.identify import identify
-from validation.identify.identify import DrawnBandStudy, IdentificationFindings, IdentifyOptions, Reported, by_kind
+from validation.identify.identify import DrawnBandStudy, IdentificationFindings, Reported, by_kind
+from validation.identify.request import IdentifyOptions
 from validation.model.setups import FMD, above_fmd, is_stack, stated, takes_fmd_off
 from validation.output import NONE, inertia_json, json_text, print_json, rounded, shown, to_json
 from validation.reference.reference import ArticleOptions, file_name, reference
@@ -546,7 +547,8 @@ def identified(
     ------
     OSError : a file cannot be read.
     """
-    from validation.history.add import body_of, conditions_of
+    from validation.history.add import conditions_of
+    from validation.history.verdict import body_of
 
     rung = None if at is None else at.rung
     if rung is not None and rung.errors is not None:

@@ -33,20 +33,20 @@ from validation.diagnose.diagnosis import Diagnosis
 from validation.effects.catalogue import SOURCES
 from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, STANDS_OUT
 from validation.history.history import Body, HistoryPosition, Source, digest, history_position
-from validation.identify.identify import REDUCED
+from validation.identify.request import REDUCED
 from validation.model.model import Model
 from validation.model.setups import FMD, above_fmd
 from validation.output import percent, require_ending, require_file, rounded, stages, to_json
 from validation.prediction.modal_table import FREQUENCY
 from validation.reference.reference import file_name
 from validation.reference.statement import QUANTITIES
-from validation.report import compare, flexible, history, identify, reference, title
+from validation.report import compare, flexible, history, identify, reference
 from validation.report import diagnose as report_diagnose
 from validation.report.document import Column, Figures, Safe, joined, plus_minus, table, tag, worded
 from validation.report.identify import campaign_part
-from validation.report.parts import ArticlePart, CampaignPart, Provenance, Report, section, verdict
+from validation.report.parts import ArticlePart, CampaignPart, Provenance, Report, head_html, requirements_html, section, verdict
 from validation.report.reference import article_part
-from validation.study import Data, Options, Study
+from validation.study import Data, Options, Progress, Study
 
 # Where everything comes from: versions, settings, inputs with their digests, the model, and the command line.
 
@@ -225,7 +225,7 @@ Section = Callable[[Report, Figures], Safe]
 
 SECTIONS: tuple[tuple[str, str, Section], ...] = (
     ("summary", "Summary", summary_html),
-    ("requirements", "Requirements", title.requirements_html),
+    ("requirements", "Requirements", requirements_html),
     ("articles", "Articles and reference", reference.html),
     ("modes", "Modes", flexible.html),
     ("sensors", "Sensors", compare.sensors_html),
@@ -252,8 +252,6 @@ ALLOWED = "; ".join(
 )
 """What the page may load: itself. A browser refuses it everything else, whatever stands in it."""
 
-Progress = Callable[[str, float], None]
-
 
 def write(report: Report, path: Path, progress: Progress | None = None) -> None:
     """Write the page to `path`, whole or not at all.
@@ -274,7 +272,7 @@ def html(report: Report, progress: Progress | None = None) -> str:
         if made := write_section(report, figures):
             parts.append((name, heading, made))
     named = f"{report.comparison.title} · massline report"
-    return framed(named, title.html(report, figures), parts, figures, report.provenance.versions.get("massline", ""))
+    return framed(named, head_html(report, figures), parts, figures, report.provenance.versions.get("massline", ""))
 
 
 def framed(named: str, head: Safe, parts: Sequence[tuple[str, str, Safe]], figures: Figures, by: str) -> str:

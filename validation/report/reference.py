@@ -23,6 +23,7 @@ from validation.classical import files
 from validation.classical.files import Item, Reduction
 from validation.model.setups import above_fmd, is_file, is_stack
 from validation.output import NONE, SIGNIFICANT, fixed, plain_unit, print_json, print_pages, rounded, to_json
+from validation.prediction.classical_facts import KEYS
 from validation.reference import reference, statement
 from validation.reference.reference import (
     IDENTIFIED,
@@ -229,9 +230,6 @@ def budget_table(items: Sequence[Item], title: str, unit: str, factor: float) ->
 
 
 Made = TypeVar("Made")
-
-KEYS = ("mass", "cog_x", "cog_y", "cog_z", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
-"""Results of a reduction in the order of a statement."""
 
 SOFT = 4.0
 """Times the top of the band up to which a mode makes shapes worth a picture."""

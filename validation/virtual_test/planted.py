@@ -19,6 +19,8 @@ from geometry.toml_file import nearest
 from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, SOURCES, Named, There
 from validation.effects.effect import AXES, COVER, FMD, PENDULUM, PROCESSING, TABLE
+from validation.excite.question import ALONG
+from validation.excite.question import COMPLIANT as JOINT
 from validation.virtual_test.layout import ChainTruth
 from validation.virtual_test.plan import MAINS, RIGID, SOURCE, Part, Plan, PlantedEffect, Sensed
 from validation.virtual_test.shaker import parts_of
@@ -26,10 +28,6 @@ from validation.virtual_test.shaker import parts_of
 StructureChange = Callable[[Rig], Rig]
 
 BASE = 6
-
-JOINT = {"lateral": (0, 1), "vertical": (2,), "rotation": (3, 4), "torsion": (5,)}
-ALONG = {"": (0, 1, 2), "lateral": (0, 1), "vertical": (2,)}
-"""Which of x, y, z, alpha, beta, gamma a direction means."""
 
 LAYER = "-silicone"
 """Ending of the part of a blade that is its layer."""

@@ -1,7 +1,9 @@
 """Frequencies of solid models against closed forms, the user's own STEP, and the convergence study on known answers."""
 
+import runpy
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -42,13 +44,21 @@ def euler_bernoulli(thickness: float, count: int) -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
+def convergence(root: Path) -> SimpleNamespace:
+    """The example that studies it."""
+    return SimpleNamespace(**runpy.run_path(str(root / "examples" / "convergence.py")))
+
+
+@pytest.fixture(scope="module")
 def cantilever() -> Callable[[float], Structure]:
     return lambda size: model.structure(plate(), size=size, cached=False)
 
 
-def test_frequencies_fall_onto_the_beam_as_the_mesh_is_refined(cantilever: Callable[[float], Structure]) -> None:
+def test_frequencies_fall_onto_the_beam_as_the_mesh_is_refined(
+    cantilever: Callable[[float], Structure], convergence: SimpleNamespace
+) -> None:
     """The limits are those of a Timoshenko beam, in the thickness and across the width; meshes that are not nested scatter."""
-    study = model.convergence_study(cantilever, (0.02, 0.013, 0.0085), 2, bars={"plate": 2e-3})
+    study = convergence.convergence_study(cantilever, (0.02, 0.013, 0.0085), 2, bars={"plate": 2e-3})
     assert np.all(np.diff(study.frequency, axis=0) < 0)
     depths = (THICKNESS, WIDTH)
     beam = [euler_bernoulli(depth, 1)[0] * (1 - shear_and_rotary(depth)) for depth in depths]
@@ -82,25 +92,25 @@ def test_a_users_surface_mesh_is_refused_with_the_way_out(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("rate", [1.0, 2.0, 4.0])
-def test_rate_and_limit_of_a_known_sequence_are_found(rate: float) -> None:
+def test_rate_and_limit_of_a_known_sequence_are_found(rate: float, convergence: SimpleNamespace) -> None:
     size = np.array([3.0, 2.0, 1.2])
-    found, limit, distance = model.extrapolation(size, 100.0 + 0.3 * size**rate)
+    found, limit, distance = convergence.extrapolation(size, 100.0 + 0.3 * size**rate)
     assert_allclose([found, limit, distance], [rate, 100.0, 0.3 * 1.2**rate], rtol=1e-6)
 
 
 @pytest.mark.parametrize("values", [(101.0, 100.5, 100.7), (100.1, 100.4, 100.9), (100.0, 100.5, 100.5)])
-def test_no_rate_is_claimed_where_there_is_none(values: tuple[float, float, float]) -> None:
+def test_no_rate_is_claimed_where_there_is_none(values: tuple[float, float, float], convergence: SimpleNamespace) -> None:
     size = np.array([4.0, 2.0, 1.0])
-    rate, limit, distance = model.extrapolation(size, np.array(values))
+    rate, limit, distance = convergence.extrapolation(size, np.array(values))
     assert np.isnan(rate) or rate < 0.5
     assert distance >= abs(values[1] - values[2])
     assert_allclose(abs(limit - values[2]), distance, atol=1e-12)
 
 
-def test_the_verdict_names_the_worst_mode_by_its_own_bar() -> None:
+def test_the_verdict_names_the_worst_mode_by_its_own_bar(convergence: SimpleNamespace) -> None:
     size = np.array([4.0, 2.0, 1.0])
     frequency = np.column_stack([10.0 + 0.012 * size, 50.0 + 0.08 * size])
-    study = model.assessed(size, (1, 2, 3), frequency, ("blade", "mast"), {"blade": model.BLADE_BAR})
+    study = convergence.assessed(size, (1, 2, 3), frequency, ("blade", "mast"), {"blade": convergence.BLADE_BAR})
     assert_allclose(study.distance, [1.2e-3, 1.6e-3], rtol=1e-9)
     assert not study.converged
     assert "1 of 2 modes" in study.verdict
@@ -109,6 +119,6 @@ def test_the_verdict_names_the_worst_mode_by_its_own_bar() -> None:
 
 
 @pytest.mark.parametrize("sizes", [(2.0, 1.0), (1.0, 2.0, 3.0), (2.0, 1.0, 0.0)])
-def test_a_study_needs_three_falling_sizes(sizes: tuple[float, ...]) -> None:
+def test_a_study_needs_three_falling_sizes(sizes: tuple[float, ...], convergence: SimpleNamespace) -> None:
     with pytest.raises(BadInput, match="three or more"):
-        model.convergence_study(lambda size: pytest.fail("called"), sizes)
+        convergence.convergence_study(lambda size: pytest.fail("called"), sizes)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from validation.app import panels, state, transfer, whatif, workers
+from validation.app import curves, panels, state, transfer, whatif, workers
 from validation.app.opening import Handed
 from validation.app.options import StartOptions
 from validation.app.state import WindowState
@@ -54,14 +54,14 @@ SLIDER = SimpleNamespace(key="", whole=False, logarithmic=False, low=0.0, high=1
 
 
 def test_the_answer_says_whether_anything_was_fitted_and_another_entry_has_its_own_curve(tmp_path):
-    assert "nothing fitted" in panels._said(tried(followed=False), "the plain fit")
-    said = panels._said(tried(followed=True), "the plain fit")
+    assert "nothing fitted" in curves._said(tried(followed=False), "the plain fit")
+    said = curves._said(tried(followed=True), "the plain fit")
     assert "nothing" not in said
     assert "fitted anew beside it" in said
     of = bench(tmp_path, campaign="a", load=2, motion=2)
     of.tried = tried(followed=True)
     of.state.load, of.state.motion = 1, 4
-    (matrix,) = panels.with_effect(of).values()
+    (matrix,) = curves.with_effect(of).values()
     assert np.array_equal(matrix[:, 1, 4], np.full(3, 10.0))
 
 
@@ -77,9 +77,9 @@ def test_a_slider_that_is_put_aside_while_it_moves_ends_quietly(tmp_path, monkey
     async def story():
         of = bench(tmp_path, campaign="a", effect={"id": "x"})
         of.effects, of.table, of.sizes = {"x": effect}, object(), {"": 0.0}  # type: ignore[assignment, dict-item]
-        await panels.drag(of, "", 300)
+        await curves.drag(of, "", 300)
         await asyncio.sleep(0.02)
-        await panels.chosen(of, None)
+        await curves.chosen(of, None)
         assert of.dragging is not None
         await asyncio.wait_for(of.dragging, 5)
         assert of.state.failure == ""
@@ -103,16 +103,16 @@ def test_a_slider_that_moves_on_does_not_wait_for_what_is_computed_where_it_rest
         pass
 
     monkeypatch.setattr(whatif, "what_if", what_if)
-    monkeypatch.setattr(panels, "drawn", nothing)
-    monkeypatch.setattr(panels, "keep", lambda _: None)
-    monkeypatch.setattr(panels, "RESTS", 0.05)
+    monkeypatch.setattr(curves, "drawn", nothing)
+    monkeypatch.setattr(curves, "keep", lambda _: None)
+    monkeypatch.setattr(curves, "RESTS", 0.05)
 
     async def story():
         of = bench(tmp_path, campaign="a", load=2, motion=2, effect={"id": "x"})
         of.effects, of.table, of.sizes = {"x": effect}, SimpleNamespace(at="the plain fit"), {"": 0.0}  # type: ignore[assignment, dict-item]
-        await panels.drag(of, "", 300)
+        await curves.drag(of, "", 300)
         await asyncio.to_thread(resting.wait, 10)
-        await panels.drag(of, "", 400)
+        await curves.drag(of, "", 400)
         while ("x=0.4", False) not in asked:  # for ever, did it wait
             await asyncio.sleep(0.01)
         assert ("x=0.4", True) not in asked

@@ -5,19 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-MODEL = """
-format = 1
-model = { title = "Two floors", article = "frame" }
-[fe_model]
-kind = "frame"
-nodes = { foot = "0 mm", floor-1 = "150 mm", floor-2 = "300 mm" }
-fixed = ["foot"]
-moves = ["x"]
-members = { legs-1 = ["foot", "floor-1"], legs-2 = ["floor-1", "floor-2"] }
-section = { width = "25 mm", thickness = "3 mm", across = "x", count = 4 }
-material = { youngs_modulus = "70 GPa", poisson_ratio = 0.3 }
-masses = { floor-1 = "5 kg", floor-2 = "5 kg" }
-loss_factor = 0.02
+TEST = """loss_factor = 0.02
 [[test]]
 kind = "response-functions"
 article = "frame"
@@ -46,7 +34,7 @@ CUT = """() => [...document.querySelectorAll(".controls, .headed, .bar")].filter
 
 
 @pytest.fixture(scope="module")
-def page(start_app, visit, tmp_path_factory) -> Any:
+def page(start_app, visit, two_floors, tmp_path_factory) -> Any:
     folder = tmp_path_factory.mktemp("frame")
     frequency, leg = np.arange(3.0, 40.0, 0.2), 4 * 12 * 70e9 * (0.025 * 0.003**3 / 12) / 0.15**3
     K = leg * np.array([[1.8, -0.8], [-0.8, 0.8]])
@@ -55,7 +43,7 @@ def page(start_app, visit, tmp_path_factory) -> Any:
     H = (-(omega**2) * np.linalg.inv(K * (1 + 0.02j) - omega**2 * 5.0 * np.eye(2)))[:, :, 0] * (1 + 0.004 * noise)
     table = np.column_stack([frequency, np.ascontiguousarray(H).view(np.float64)])
     np.savetxt(folder / "frame.csv", table, delimiter=",", comments="", header="f,1 re,1 im,2 re,2 im")
-    (folder / "frame.toml").write_text(MODEL)
+    (folder / "frame.toml").write_text('model = { title = "Two floors", article = "frame" }\n' + two_floors + TEST)
     bench = start_app("--stay", str(folder / "frame.toml"), MASSLINE_CACHE=str(folder / "cache"))
     opened = visit(bench)
     opened.locator("#overlay[data-drawn]").wait_for()

@@ -13,6 +13,7 @@ from identification.campaign import Campaign, Recording
 from identification.chain import chain
 from validation.correct import corrected
 from validation.effects import catalogue
+from validation.effects import own as own_effects
 from validation.effects.catalogue import FAMILIES, Named, parse
 from validation.effects.effect import CHANNEL_STAGE, FORCES, Family, SizeSpec
 from validation.effects.stages import ChannelResponse
@@ -112,7 +113,7 @@ def test_an_equation_that_leaves_nothing_cannot_be_inverted(tested, grown):
 
 def test_the_example_of_ones_own_is_taken_out_of_a_record(tested, root, grown):
     """Planted by the bilinear rule at 2048 Hz, which is off by (2 pi 32/2048)²/12 of omega tau = 0.2 at 32 Hz: 2e-4."""
-    grown(catalogue.own_family(root / "examples" / "effects" / "force_lowpass.py"))
+    grown(own_effects.read(root / "examples" / "effects" / "force_lowpass.py"))
     effect = "force-lowpass:fmd-z2=1e-3"
     clean, faulty = tested(), tested(effect)
     made = corrected(faulty, parse(effect)).campaign

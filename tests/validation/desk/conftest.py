@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 import pytest
 
 from validation.app import opening, workers
+from validation.app.kept import Compared
 from validation.app.opening import Example, Series
-from validation.app.session import Compared, Session, begun, opened
+from validation.app.session import Session, begun, opened
 from validation.app.workers import Job
 
 QUICK = Example(

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from geometry.errors import BadInput
-from validation.app import whatif, workers
+from validation.app import curves, workers
 from validation.app.opening import Handed, received
 from validation.app.session import Session, begun, digest
 from validation.app.state import unsaved
@@ -157,7 +157,7 @@ def test_a_diagnosis_that_is_damaged_is_none(fresh):
 
 
 def test_an_effect_is_explained_with_what_was_found_of_it(worked):
-    found = whatif.explained(worked.desk, "force-gain:fmd-z2")
+    found = curves.explained(worked.desk, "force-gain:fmd-z2")
     assert found.sizes[""] == pytest.approx(0.08, abs=0.01)
     assert " % (+" in found.found
     assert found.evidence is not None
@@ -168,12 +168,12 @@ def test_an_effect_is_explained_with_what_was_found_of_it(worked):
 
 
 def test_an_effect_that_was_not_tried_is_explained_by_the_catalogue(bare):
-    found = whatif.explained(bare, "appendage:z=m:0.3,f:21,zeta:0.02")
+    found = curves.explained(bare, "appendage:z=m:0.3,f:21,zeta:0.02")
     assert (found.sizes, found.evidence, found.aliases, found.separating) == ({}, None, (), ())
     assert found.written == "appendage:z=m:0.3,f:21,zeta:0.02"
     assert found.equation
     with pytest.raises(BadInput, match="no effect is called"):
-        whatif.explained(bare, "nonsense")
+        curves.explained(bare, "nonsense")
 
 
 def test_a_report_names_the_users_files_and_the_whole_command_line(block, tmp_path, climbed, monkeypatch):

@@ -1,13 +1,17 @@
 """A desk keeps what it was asked, survives what befalls it, and leaves the user's files alone."""
 
 import json
+from math import inf
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from geometry.errors import BadInput
-from validation.app import session
-from validation.app.session import begun, moved, opened
+from validation.app import kept, session
+from validation.app.kept import moved
+from validation.app.session import begun, opened
+from validation.estimation.problem import Evaluation, Fit, Parameter, Share
 from validation.model import model_file
 
 OWN = """
@@ -87,3 +91,23 @@ def test_paths_that_cannot_be_said_anew_are_refused(block, tmp_path):
     (tmp_path / "model.toml").write_text(f'{text}[structure]\nkind = "own"\nown = {{ "fmd+box" = "box.h5" }}\n')
     with pytest.raises(BadInput, match="one a line"):
         begun(tmp_path / "d", tmp_path / "model.toml", block.data)
+
+
+def test_what_is_kept_comes_back_as_it_was_and_nothing_of_another_kind(tmp_path):
+    parameter = Parameter(name="a", unit="kg", tolerance=inf, channels=(np.int64(3), 4), plausible=0.1)
+    numbers = {"cost": inf, "chi2": np.float64(2.5), "tolerance_z2": 0.0, "log_evidence": -inf}
+    arrays = {"offsets": np.array([0.25]), "covariance": np.array([[4.0]])}
+    fit = Fit(parameters=(parameter,), degrees_of_freedom=3, tolerances=0, converged=False, ahead={"a": 1.5}, **arrays, **numbers)
+    share = Share(percent=1.0, by_channel={"fmd-z1": 2.0})
+    known = {"nominal": share, "plain": share, "held_out": None, "held_out_nominal": share, "plain_fit": fit, "fitted": fit}
+    of = kept.KeptFits(before=Evaluation(**known, held_out_names=("z",)), after=Evaluation(**known))
+    kept.write(tmp_path / "fits.npz", of)
+    found = kept.read(kept.KeptFits, tmp_path / "fits.npz").before
+    assert vars(found.nominal) == vars(share)
+    assert (found.held_out, found.held_out_names) == (None, ("z",))
+    assert {**vars(found.fitted), **arrays} == {**vars(fit), **arrays}
+    for name, values in arrays.items():
+        assert np.array_equal(getattr(found.fitted, name), values)
+    assert list(kept.words(tmp_path / "fits.npz")) == ["before", "after"]
+    with pytest.raises(session.DAMAGE):
+        kept.read(kept.KeptSeries, tmp_path / "fits.npz")

@@ -8,8 +8,9 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
 from validation.app import opening, scene3d, session
+from validation.app.kept import Compared
 from validation.app.opening import EXAMPLES, faults
-from validation.app.session import Compared, Session, begun
+from validation.app.session import Session, begun
 from validation.compare.compare import modes_of
 
 MAST = "fmd+clumod-1"

@@ -13,9 +13,10 @@ from scipy.linalg import eigh
 from fem.damping import Damping
 from fem.user_model import reading
 from geometry.errors import BadInput
-from validation.app import options, panels, scene3d, session, whatif
+from validation.app import curves, options, panels, scene3d, session, whatif
+from validation.app.kept import Compared
 from validation.app.opening import faults, sorted_out
-from validation.app.session import Compared, Session, begun, opened
+from validation.app.session import Session, begun, opened
 from validation.prediction import dynamic_mass
 from validation.prediction.structure import by_itself
 from validation.report.charts import maps
@@ -138,14 +139,14 @@ def test_a_second_window_on_the_same_data_computes_nothing_again(made, monkeypat
 def test_an_effect_moves_the_functions_as_the_prediction_of_the_model_with_it(made):
     ready = whatif.table(made.desk)
     assert {one.id for one in whatif.reaching(ready)} >= {"point-mass:c", "modulus:posts", "accelerometer-gain:a-x"}
-    found = whatif.what_if(ready, "point-mass:c=0.05", 0, 0, follow=False)
+    found = whatif.what_if(ready, "point-mass:c=0.05", follow=False)
     (trace,) = [one for one in found.traces if one.campaign == "struck"]
     assert trace.matrix.shape == (LINES, 2, 3)
     named = whatif.parse("point-mass:c=0.05", ready.words, source="test")
     (one,) = [each for each in ready.predictions(named, fixed=True)[0] if each.measured.name == "struck"]
     assert_allclose(trace.matrix.swapaxes(0, 1), one.at(ready.offsets, derivatives=False).rows[..., 0], rtol=1e-12)
     assert found.plain_percent != found.before_percent
-    dragged = whatif.what_if(ready, "point-mass:c=0.05", 0, 0, exact=False, follow=False)
+    dragged = whatif.what_if(ready, "point-mass:c=0.05", exact=False, follow=False)
     asked = np.isclose(dragged.traces[0].matrix, trace.matrix, rtol=1e-9, atol=0).all(axis=(1, 2))
     assert asked.sum() >= 0.6 * LINES  # the others go with them
 
@@ -188,9 +189,9 @@ def test_what_is_tried_at_a_node_is_what_is_tried_at_a_place_there(made):
     here = "@0.15,0,0.24"
     ready = whatif.table(made.desk, (here,))
     assert {f"point-mass:{here}", f"cable:{here}:x", f"absorber:{here}"} <= {one.id for one in whatif.reaching(ready)}
-    both = [whatif.what_if(ready, f"point-mass:{one}=0.05", 0, 0, follow=False).traces[0].matrix for one in ("c", here)]
+    both = [whatif.what_if(ready, f"point-mass:{one}=0.05", follow=False).traces[0].matrix for one in ("c", here)]
     assert_allclose(both[0], both[1], rtol=1e-9)
-    assert not np.allclose(both[0], whatif.what_if(ready, "point-mass:c=0.01", 0, 0, follow=False).traces[0].matrix)
+    assert not np.allclose(both[0], whatif.what_if(ready, "point-mass:c=0.01", follow=False).traces[0].matrix)
 
 
 def test_nodes_bear_the_colours_of_what_the_diagnosis_says_of_them(made, tmp_path):
@@ -271,4 +272,4 @@ def test_a_list_never_shows_the_number_that_stands_for_nothing():
 
     state = first_state()
     assert panels.AT_REST in {one["value"] for one in state["modes"]}
-    assert panels.WORST_OF_ALL in {one["value"] for one in state["runs"]}
+    assert curves.WORST_OF_ALL in {one["value"] for one in state["runs"]}

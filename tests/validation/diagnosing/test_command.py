@@ -22,7 +22,7 @@ from validation.model import model_file
 from validation.model.model import Added, Model
 from validation.model.model_file import text as model_text
 from validation.report import diagnose
-from validation.report import diagnose as report_diagnose
+from validation.report import history as climbing
 from validation.study import Options, Study
 
 Run = Callable[..., tuple[int, str, str]]
@@ -178,9 +178,9 @@ class Laboratory:
         there = climbed(at, rung)
         return add.AddResult(at=there, before=at.rung, after=rung, said=(), study=study)
 
-    def climb(self) -> report_diagnose.Climb:
+    def climb(self) -> climbing.Climb:
         bench = Study(model=model_file.read(str(self.path)), campaigns=(), made=())
-        return report_diagnose.climb(Options(model=str(self.path), data=("one",)), bench, self.diagnose)
+        return climbing.climb(Options(model=str(self.path), data=("one",)), bench, self.diagnose)
 
     @property
     def effects(self) -> list[str]:
@@ -283,7 +283,7 @@ def test_a_diagnosis_that_never_ends_is_ended(lab, made):
         replace(made("missing"), accepted=(replace(cause, named=parse(f"force-gain:{channel}=0.05")),)) for channel in channels
     ]
     found = lab(*endless).climb()
-    assert len(found.rounds) == report_diagnose.MOST_ROUNDS
+    assert len(found.rounds) == climbing.MOST_ROUNDS
     assert "look at the ladder" in found.ended
 
 

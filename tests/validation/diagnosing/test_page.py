@@ -19,6 +19,7 @@ from validation.model.model import Model
 from validation.output import nats, to_json
 from validation.report import diagnose
 from validation.report import diagnose as report_diagnose
+from validation.report import history as climbing
 from validation.report.diagnose import grid, rows
 from validation.study import Study
 
@@ -209,7 +210,7 @@ def test_mistakes_are_left_out_where_that_is_asked_and_settings_say_what_was(mad
 def test_beside_a_class_only_the_mistake_becomes_a_rung(made):
     wrong, unsure = made("mistake").accepted, made("ambiguous")
     both = replace(unsure, verdict="mistake", accepted=(*wrong, *unsure.accepted))
-    assert report_diagnose.new(both, BENCH.model) == wrong
+    assert climbing.new(both, BENCH.model) == wrong
 
 
 def test_an_unknown_effect_is_told_with_what_its_own_fit_leaves(monkeypatch):

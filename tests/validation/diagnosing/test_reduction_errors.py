@@ -17,18 +17,6 @@ from validation.model.model import Added
 from validation.prediction import structure as reduction
 from validation.study import Study
 
-FRAME = """format = 1
-[fe_model]
-kind = "frame"
-nodes = { foot = "0 mm", floor-1 = "150 mm", floor-2 = "300 mm" }
-fixed = ["foot"]
-moves = ["x"]
-members = { legs-1 = ["foot", "floor-1"], legs-2 = ["floor-1", "floor-2"] }
-section = { width = "25 mm", thickness = "3 mm", across = "x", count = 4 }
-material = { youngs_modulus = "70 GPa", poisson_ratio = 0.3 }
-masses = { floor-1 = "5 kg", floor-2 = "5 kg" }
-"""
-
 
 @pytest.fixture
 def study(portal: Callable[..., Path], tmp_path: Path) -> Path:
@@ -60,10 +48,10 @@ def test_modes_alone_are_not_that_exact(study: Path, monkeypatch: pytest.MonkeyP
     assert "ABOVE" in found.text
 
 
-def test_a_joint_of_every_node_that_gives_is_put_into_the_whole_structure(tmp_path: Path):
+def test_a_joint_of_every_node_that_gives_is_put_into_the_whole_structure(two_floors: str, tmp_path: Path):
     """The real frame of three storeys, whose clamps all give alike, had ended in a KeyError."""
     path = tmp_path / "frame.toml"
-    path.write_text(FRAME)
+    path.write_text(two_floors)
     reduced = reduction.by_itself(reading.load(path).model, 60.0)
     swinging = reduction_errors.swinging_with(reduced, [Added(named=parse("connection-compliance:all@every:beta=1e-4"))])
     softer = FAMILIES["connection-compliance"].change(swinging.matrices, ("all@every", "beta"), {"": 1e-4})

@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from identification.chain import chain
-from validation.effects import catalogue, effect
+from validation.effects import catalogue, effect, own
 from validation.effects.catalogue import FAMILIES, parse
 from validation.virtual_test.plan import Plan, exact
 from validation.virtual_test.simulate import laboratory
@@ -45,7 +45,7 @@ def targets_of(family: effect.Family, words: effect.Vocabulary) -> list[tuple[st
 
 @pytest.mark.parametrize("family", EVERY, ids=by_name)
 def test_a_family_says_all_that_a_reader_needs(family):
-    for field in catalogue.WORDS:
+    for field in own.WORDS:
         assert getattr(family, field).strip(), f"{family.name}: {field}"
     assert family.mistaken_for
     ids = {one.partition(":")[0] for one in family.mistaken_for if " " not in one}  # the others say it in words
@@ -71,10 +71,10 @@ def test_sizes_are_sane(family):
 def test_an_equation_changes_nothing_without_its_effect_and_something_with_it(family):
     catalogue.require_usable(family, family.name)
     example = parse(family.example.split(", or ")[0])
-    before = catalogue.trials()[family.stage]
+    before = own.trials()[family.stage]
     changed = family.change(before, example.targets, _within(family, example.values))
-    assert not catalogue.unchanged(before, changed)
-    assert catalogue.unchanged(before, before)
+    assert not own.unchanged(before, changed)
+    assert own.unchanged(before, before)
 
 
 def _within(family: effect.Family, values):
@@ -84,7 +84,7 @@ def _within(family: effect.Family, values):
 
 @pytest.mark.parametrize("family", [one for one in WITH_EQUATION if one.stage == effect.CHANNEL_STAGE], ids=by_name)
 def test_equations_of_channels_add(family):
-    example, reading = parse(family.example.split(", or ")[0]), catalogue.trials()[effect.CHANNEL_STAGE]
+    example, reading = parse(family.example.split(", or ")[0]), own.trials()[effect.CHANNEL_STAGE]
     values = _within(family, example.values)
     other = np.roll(reading.rows, 1, axis=0)
     one, two, both = (

@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
 from validation.cli import main
-from validation.effects import catalogue
+from validation.effects import catalogue, own
 from validation.effects.catalogue import FAMILIES, SOURCES, parse
 from validation.effects.effect import Family, SizeSpec
 from validation.effects.stages import ChannelResponse, Shares
@@ -171,7 +171,7 @@ def test_no_junk_in_a_field_brings_anything_but_a_family_or_a_refusal(field, jun
     _, of_size, key = field.rpartition("sizes.")
     change = {"sizes": (replace(whole.sizes[0], **{key: junk}),)} if of_size else {field: junk}
     with suppress(BadInput):
-        catalogue._add(catalogue.of(replace(whole, **change), "mine.py"), "mine.py")
+        catalogue._add(own.of(replace(whole, **change), "mine.py"), "mine.py")
 
 
 def test_a_structure_that_does_not_add_is_refused_and_one_that_does_is_taken(folder):

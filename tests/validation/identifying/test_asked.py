@@ -9,7 +9,7 @@ from geometry.errors import BadInput
 from geometry.sensors import Tolerances
 from identification import campaign_file
 from identification.campaign import Campaign
-from validation.identify.identify import IdentifyOptions, ready
+from validation.identify.request import IdentifyOptions, ready
 from validation.model.setups import takes_fmd_off
 
 

@@ -14,7 +14,7 @@ from identification import identify as identification_identify
 from identification.campaign import Campaign
 from identification.identify import Identification, identify
 from validation.cli import main
-from validation.identify.identify import IdentifyOptions, ready
+from validation.identify.request import IdentifyOptions, ready
 from validation.report import identify as report_identify
 
 QUICK = ("--modes", "0", "--no-study", "--band", "5", "25")

@@ -11,7 +11,7 @@ from geometry.articles import built_in
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from identification.quality import NORMAL_95
-from validation.identify import identify
+from validation.identify import request
 from validation.model.setups import above_fmd, known, stated
 
 
@@ -75,7 +75,7 @@ def _file(folder: Path, text: str) -> str:
 
 def test_a_weighing_is_a_fact_whose_tolerance_is_its_95_per_cent_half_width(tmp_path, make_campaign):
     name = _file(tmp_path, WEIGHING.replace("ARTICLE", "clumod-1"))
-    (fact,), words = identify.facts([name], make_campaign("fmd+clumod-1"), tared=True)
+    (fact,), words = request.facts([name], make_campaign("fmd+clumod-1"), tared=True)
     assert (fact.quantity, fact.value, fact.source) == ("mass_kg", pytest.approx(32.95), name)
     assert not words
     from validation.classical import weigh
@@ -87,7 +87,7 @@ def test_a_weighing_is_a_fact_whose_tolerance_is_its_95_per_cent_half_width(tmp_
 def test_a_cog_and_a_product_follow_the_mount(tmp_path, make_campaign):
     pose = Pose(position=np.array([0.01, 0.0, 0.045]), rotation=rotation_about("z", np.pi / 2))
     name = _file(tmp_path, COG)
-    facts, _ = identify.facts([name], make_campaign("fmd+clumod-1", mounting=pose), tared=True)
+    facts, _ = request.facts([name], make_campaign("fmd+clumod-1", mounting=pose), tared=True)
     by_name = {fact.quantity: fact.value for fact in facts}
     # The article's x lies along the campaign's y.
     assert by_name == {
@@ -108,7 +108,7 @@ def test_every_fact_is_what_the_body_itself_would_say(tmp_path, make_campaign):
     tensor = body.tensor_cog.copy()
     tensor[0, 0], tensor[0, 2], tensor[2, 0] = 6.42, 0.10, 0.10
     seen = Inertia.from_cog(body.mass, [0.002, 0.0, 0.2706], tensor).placed(pose)
-    facts, _ = identify.facts([name], make_campaign("fmd+clumod-1", mounting=pose), tared=True)
+    facts, _ = request.facts([name], make_campaign("fmd+clumod-1", mounting=pose), tared=True)
     for fact in facts:
         kind, axes = fact.quantity.split("_")[:2]
         rows = ["xyz".index(letter) for letter in axes]
@@ -119,19 +119,19 @@ def test_every_fact_is_what_the_body_itself_would_say(tmp_path, make_campaign):
 def test_an_askew_mount_is_refused_where_it_would_mix_components(tmp_path, make_campaign):
     askew = Pose(position=np.array([0.0, 0.0, 0.045]), rotation=rotation_about("z", 0.3))
     with pytest.raises(BadInput, match="lies askew"):
-        identify.facts([_file(tmp_path, COG)], make_campaign("fmd+clumod-1", mounting=askew), tared=True)
+        request.facts([_file(tmp_path, COG)], make_campaign("fmd+clumod-1", mounting=askew), tared=True)
 
 
 @pytest.mark.parametrize(("article", "tared"), [("clumod-4", True), ("clumod-1", False), ("fmd+clumod-1", True)])
 def test_a_result_about_another_body_is_refused(article, tared, tmp_path, make_campaign):
     name = _file(tmp_path, WEIGHING.replace("ARTICLE", article))
     with pytest.raises(BadInput, match=f"it is about {article.replace('+', '.')}") as refused:
-        identify.facts([name], make_campaign("fmd+clumod-1"), tared=tared)
+        request.facts([name], make_campaign("fmd+clumod-1"), tared=tared)
     assert refused.value.field == "article.name"
 
 
 def test_assumed_tolerances_are_said(make_campaign):
-    facts, words = identify.facts(["clumod-4-published"], make_campaign("fmd+clumod-4"), tared=True)
+    facts, words = request.facts(["clumod-4-published"], make_campaign("fmd+clumod-4"), tared=True)
     assert {fact.quantity for fact in facts} >= {"mass_kg", "cog_z_mm", "moi_zz_cog_kgm2"}
     assert "assumed" in words[0]
 
@@ -139,5 +139,5 @@ def test_assumed_tolerances_are_said(make_campaign):
 def test_a_cog_needs_to_know_where_its_origin_stands(tmp_path, make_campaign):
     assert stated(make_campaign("fmd+clumod-1", mounting=None)) is None
     with pytest.raises(BadInput, match="is missing") as refused:
-        identify.facts([_file(tmp_path, COG)], make_campaign("fmd+clumod-1", mounting=None), tared=True)
+        request.facts([_file(tmp_path, COG)], make_campaign("fmd+clumod-1", mounting=None), tared=True)
     assert refused.value.field == "mounting"

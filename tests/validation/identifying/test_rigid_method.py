@@ -12,7 +12,8 @@ from geometry.inertia import PARAMETERS
 from identification import campaign_file
 from identification.identify import Identification, identify
 from identification.request import QUANTITIES, counts
-from validation.identify.identify import IdentificationFindings, IdentifyOptions, PreparedRequest, gathered, ready
+from validation.identify.identify import IdentificationFindings, gathered
+from validation.identify.request import IdentifyOptions, PreparedRequest, ready
 from validation.reference.statement import about_cog
 from validation.report import identify as report_identify
 from validation.report.identify import answer

@@ -8,7 +8,8 @@ from numpy.testing import assert_allclose
 
 from validation.estimation.fit import fit
 from validation.estimation.problem import EFFECT, IDENTIFIED, PLAIN, SENSOR, Parameter, Problem
-from validation.history.add import NOTICED, alias, covariance, judged, noticed, of_fit
+from validation.history.add import judged
+from validation.history.verdict import NOTICED, alias, covariance, noticed, of_fit
 from validation.model.model import Model
 from validation.study import Study
 

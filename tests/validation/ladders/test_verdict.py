@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from validation.estimation.problem import SENSOR, Evaluation, Fit, Parameter, Share
 from validation.estimation.verdicts import absurd
 from validation.history.add import EvaluatedModel, rung_with
-from validation.history.history import Errors, Version, VersionSize, is_worth_adding, verdict
+from validation.history.history import Errors, Version, VersionSize
+from validation.history.verdict import is_worth_adding, verdict
 from validation.model.model import Model
 
 MakeRung = Callable[..., Version]

@@ -21,7 +21,7 @@ from validation.diagnose.unexplained_places import channels, crosstalk
 from validation.estimation.fit import fit
 from validation.estimation.likelihood import floor_of, level_of
 from validation.estimation.problem import FITTED, Problem
-from validation.history.add import body_of
+from validation.history.verdict import body_of
 from validation.model.model import Model, difference
 from validation.prediction.series import SHARE, UNMEASURED, predictions, with_unmeasured
 from validation.study import Data, Options, Study

@@ -6,6 +6,7 @@ import numpy as np
 
 from validation import study
 from validation.diagnose import diagnose
+from validation.identify import request
 from validation.report import identify, page, reference
 from validation.report.scenes import setups
 
@@ -92,12 +93,12 @@ def test_to_look_up_what_was_identified_no_record_is_read_or_told_again(report, 
 
 def test_campaigns_that_are_read_already_are_not_read_again_to_identify(report, monkeypatch):
     campaign, read = report.campaigns[0].campaign, []
-    monkeypatch.setattr(identify.identify.campaign_file, "read", lambda folder, **how: read.append(folder) or campaign)
-    monkeypatch.setattr(identify.identify, "facts", lambda files, campaign, *, tared: ((), ()))
-    asked = identify.IdentifyOptions(campaign=campaign.source)
-    assert identify.identify.ready(asked, at_hand=(campaign,)).request.campaign is campaign
+    monkeypatch.setattr(request.campaign_file, "read", lambda folder, **how: read.append(folder) or campaign)
+    monkeypatch.setattr(request, "facts", lambda files, campaign, *, tared: ((), ()))
+    asked = request.IdentifyOptions(campaign=campaign.source)
+    assert request.ready(asked, at_hand=(campaign,)).request.campaign is campaign
     assert read == []
-    identify.identify.ready(asked, at_hand=(replace(campaign, recordings={}),))
+    request.ready(asked, at_hand=(replace(campaign, recordings={}),))
     assert read == [campaign.source]
 
 

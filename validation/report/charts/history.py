@@ -70,7 +70,7 @@ LINE = 10.5
 """[points] between two labels, one above the other."""
 
 
-def draw_fall(title: str, rungs: Sequence[DrawnRung], path: Path, note: str = "", about: str = "") -> None:
+def draw_fall(title: str, rungs: Sequence[DrawnRung], path: Path, note: str = "") -> None:
     """Write how the four errors fall along the way to the current rung; branches are thin.
 
     Raises
@@ -116,7 +116,7 @@ def draw_fall(title: str, rungs: Sequence[DrawnRung], path: Path, note: str = ""
             found = [label for name, role in shown.items() for label in _of_one(axes, there, name, COLOURS[role][0], shown)]
             for align, beside in (("left", 7.0), ("right", -6.0)):
                 _write(axes, depth, [one for one in found if one.align == align], beside)
-    finish(figure, title, note, path, about)
+    finish(figure, title, note, path)
 
 
 def _way(axes: Axes, rungs: Sequence[DrawnRung], name: str, colour: str) -> None:

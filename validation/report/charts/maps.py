@@ -8,17 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from geometry.dynamic_mass import ComplexArray
+from geometry.dynamic_mass import SIGNS, ComplexArray
 from geometry.frames import Array
 from validation.compare.compare import SENSED, run
 from validation.compare.maps import Map, NamedMode, Pairs
 from validation.report.charts import interactive, spec, static
 from validation.report.charts.figure import Figure
 from validation.report.charts.interactive import LEGEND_ROOM, TITLE_ROOM, add_entry, dressed, escaped, legend_above
-from validation.report.charts.style import LABELS, unit
-
-SIGNS = LABELS
-"""Of loads and of base motions."""
+from validation.report.charts.style import unit
 
 LOADS = ("force along x", "force along y", "force along z", "moment about x", "moment about y", "moment about z")
 MOTIONS = tuple(f"{kind} {axis}" for kind in ("acceleration along", "angular acceleration about") for axis in "xyz")

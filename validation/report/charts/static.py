@@ -96,7 +96,6 @@ def draw_bars(
     thickness: float,
     further: float = 1.14,
     lettering: float = 10.5,
-    about: str = "",
 ) -> None:
     """Write the panels of `chart` one above the other.
 
@@ -126,7 +125,7 @@ def draw_bars(
         handles.append(Line2D([], [], color=spec.INK, linewidth=1.6, linestyle=DASHED, label=chart.limit))
     below_title = {"loc": "upper left", "bbox_to_anchor": (0.4 / size[0], 1 - 0.62 / size[1])}
     figure.legend(handles=handles, ncols=5, fontsize=9.5, frameon=False, **(legend or below_title))
-    finish(figure, chart.title, chart.note, path, about)
+    finish(figure, chart.title, chart.note, path)
 
 
 def _bars(axes: Axes, panel: spec.BarPanel, thickness: float, further: float, lettering: float) -> None:

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from geometry.dynamic_mass import ComplexArray, DynamicMass
+from geometry.dynamic_mass import SIGNS, ComplexArray, DynamicMass
 from geometry.frames import Array
 from validation.report.charts import static
 from validation.report.charts.spec import COLOURS, CURVES, FAINT, INK, Curve, EntryPanel
@@ -42,7 +42,6 @@ def colours(materials: Iterable[str]) -> dict[str, str]:
     return {name: MATERIALS.get(name) or OTHERS[strangers.index(name) % len(OTHERS)] for name in names}
 
 
-LABELS = ("x", "y", "z", "α", "β", "γ")
 AXES = ("#c8283c", "#1f8a4c", "#2456c4")
 """Of x, y, z and of α, β, γ where they share a panel."""
 
@@ -130,7 +129,7 @@ def diagonal(title: str, curves: Sequence[DynamicMassCurve], path: Path, note: s
         upper = figure.add_subplot(grid[top, column])
         lower = figure.add_subplot(grid[top + 1, column], sharex=upper)
         static.draw_entry(upper, lower, entry_of(curves, i, i))
-        upper.set_title(f"$H_{{{LABELS[i]}{LABELS[i]}}}$", fontsize=12, loc="left", pad=TITLE_ABOVE_FIGURES)
+        upper.set_title(f"$H_{{{SIGNS[i]}{SIGNS[i]}}}$", fontsize=12, loc="left", pad=TITLE_ABOVE_FIGURES)
         _mark(upper, curves[0], (i,))
         upper.set_ylabel(f"|H| [{unit(i, i)}]", fontsize=9.5)
         lower.set_ylabel("phase [°]", fontsize=9.5)
@@ -157,7 +156,7 @@ def full(title: str, curves: Sequence[DynamicMassCurve], path: Path, note: str =
             upper = figure.add_subplot(inner[0])
             lower = figure.add_subplot(inner[1], sharex=upper)
             static.draw_entry(upper, lower, entry_of(curves, i, j))
-            label = f"$H_{{{LABELS[i]}{LABELS[j]}}}$ [{unit(i, j)}]"
+            label = f"$H_{{{SIGNS[i]}{SIGNS[j]}}}$ [{unit(i, j)}]"
             upper.set_title(label, fontsize=9.5, loc="left", pad=2.5)
             for axes in (upper, lower):
                 axes.tick_params(labelsize=7)
@@ -192,7 +191,7 @@ def chosen(title: str, panels: Sequence[tuple[str, int, int, Sequence[DynamicMas
         nothing = ", ".join(curve.name for curve in curves if curve not in shown)
         if nothing:
             upper.text(0.02, 0.04, f"{nothing}: nothing", transform=upper.transAxes, fontsize=9, color=FAINT)
-        upper.set_title(f"$H_{{{LABELS[i]}{LABELS[j]}}}$", fontsize=12, loc="left", pad=TITLE_ABOVE_FIGURES)
+        upper.set_title(f"$H_{{{SIGNS[i]}{SIGNS[j]}}}$", fontsize=12, loc="left", pad=TITLE_ABOVE_FIGURES)
         upper.set_title(words, fontsize=9.5, loc="right", color=FAINT, pad=TITLE_ABOVE_FIGURES, parse_math=False)
         _mark(upper, curves[0], (i, j))
         low, high = upper.get_ylim()
@@ -240,7 +239,7 @@ def side_by_side(title: str, articles: Sequence[DynamicMassCurve], path: Path, n
             lower = figure.add_subplot(grid[top + 1, column], sharex=upper)
             rows[top].append(upper)
             for colour, width, i in zip(AXES, WIDTHS, entries, strict=True):
-                static.draw_curve(upper, lower, replace(curve.entry(i, i), name=LABELS[i]), colour, width=width)
+                static.draw_curve(upper, lower, replace(curve.entry(i, i), name=SIGNS[i]), colour, width=width)
                 upper.axhline(curve.rigid[i, i], color=colour, linewidth=0.9, linestyle=(0, (5, 3)), alpha=0.6)
             static.dress_entry(upper, lower, curve.mass.frequency)
             upper.tick_params(labelleft=column == 0)

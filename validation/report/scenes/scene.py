@@ -21,7 +21,7 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, frozen
 from geometry.inertia import Inertia, require_physical
 from validation.report.charts.spec import FAINT, INK, PAPER
-from validation.report.charts.static import ABOUT, require_format, save
+from validation.report.charts.static import require_format, save
 from validation.report.charts.style import AXES, ELLIPSOID, UNCOUNTED, Label, arranged
 from validation.report.charts.style import colours as palette_colours
 
@@ -235,48 +235,6 @@ def direction(axis: Array) -> str:
     if abs(axis[k]) > 1 - 1e-9:
         return f"along {'−' if axis[k] < 0 else ''}${'xyz'[k]}$"
     return "(" + ", ".join(f"{round(c, 3) + 0.0:.3f}" for c in axis).replace("-", "−") + ")"
-
-
-# Several pictures side by side on one sheet, small enough for a README.
-
-
-COLUMNS = 2
-TILE = (800, 600)
-COLOURS = 255
-"""A PNG sheet keeps so many colours, spread over all that occur: a third of the size, and no difference to the eye."""
-
-
-def contact_sheet(paths: Sequence[Path], path: Path, about: str = "") -> None:
-    """Put the pictures at `paths` on one sheet, two abreast, in their order; the ending of `path` chooses PNG or JPEG.
-
-    A PNG carries the words `about`, which `validation.report.charts.static.said_about` reads again.
-
-    Raises
-    ------
-    BadInput : no picture, a file that is none, or an unknown ending of `path`.
-    """
-    from PIL import Image
-    from PIL.PngImagePlugin import PngInfo
-
-    if not paths:
-        raise BadInput(source=str(path), field="paths", problem="no picture was given", remedy="Give at least one")
-    rows = -(-len(paths) // COLUMNS)
-    sheet = Image.new("RGB", (COLUMNS * TILE[0], rows * TILE[1]), "white")
-    for index, tile in enumerate(paths):
-        row, column = divmod(index, COLUMNS)
-        try:
-            with Image.open(tile) as image:
-                sheet.paste(image.convert("RGB").resize(TILE, Image.Resampling.LANCZOS), (column * TILE[0], row * TILE[1]))
-        except OSError as error:
-            problem = f"this is no picture that can be read ({error})"
-            raise BadInput(source=str(tile), problem=problem, remedy="Draw it again") from None
-    octree, plain = Image.Quantize.FASTOCTREE, Image.Dither.NONE
-    finished = sheet.quantize(COLOURS, method=octree, dither=plain) if path.suffix == ".png" else sheet
-    more: dict[str, Any] = {}
-    if path.suffix == ".png" and about:
-        more["pnginfo"] = PngInfo()
-        more["pnginfo"].add_text(ABOUT, about)
-    save(path, lambda temporary: finished.save(temporary, optimize=True, **more))
 
 
 # The camera: a parallel projection, so that a scale bar is true everywhere in the picture.
@@ -769,15 +727,15 @@ def shortened(text: str, longest: int) -> str:
     return text if len(text) <= longest else f"{text[:half]}…{text[-half:]}"
 
 
-def _cog_symbol(canvas: Canvas, place: Array, radius: float = COG_RADIUS) -> None:
+def _cog_symbol(canvas: Canvas, place: Array) -> None:
     """The circle with two black and two white quarters."""
     from matplotlib.patches import Circle, Wedge
 
     centre = (float(place[0]), float(place[1]))
-    canvas.add_patch(Circle(centre, radius + 2, facecolor=PAPER, edgecolor="none", zorder=5))
-    canvas.add_patch(Circle(centre, radius, facecolor=PAPER, edgecolor=INK, linewidth=1.4, zorder=5))
+    canvas.add_patch(Circle(centre, COG_RADIUS + 2, facecolor=PAPER, edgecolor="none", zorder=5))
+    canvas.add_patch(Circle(centre, COG_RADIUS, facecolor=PAPER, edgecolor=INK, linewidth=1.4, zorder=5))
     for start in (0, 180):
-        canvas.add_patch(Wedge(centre, radius, start, start + 90, facecolor="black", edgecolor="none", zorder=5))
+        canvas.add_patch(Wedge(centre, COG_RADIUS, start, start + 90, facecolor="black", edgecolor="none", zorder=5))
 
 
 def _write_figures(canvas: Canvas, contents: Sequence[Block], bodies: Sequence[DrawnBody]) -> None:

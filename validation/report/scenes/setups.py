@@ -13,7 +13,7 @@ from fem.exudyn.rope_pendulum import Swing
 from fem.exudyn.rope_statics import turned
 from geometry.articles import built_in, changes_of
 from geometry.errors import BadInput
-from geometry.frames import Array, Pose, frozen
+from geometry.frames import Array, Integers, Pose, frozen
 from identification.campaign import Campaign
 from validation.classical.swing import Setup, Simulated
 from validation.model.setups import stated
@@ -23,7 +23,7 @@ from validation.report.charts.static import ABOUT, require_format, save
 from validation.report.charts.style import Label, arranged, colours
 from validation.report.reference import drawing
 from validation.report.scenes import scene as stage
-from validation.report.scenes.motion import Integers, sharp_edges
+from validation.report.scenes.motion import sharp_edges
 from validation.report.scenes.scene import rendered
 
 # The map of sensors: pick-ups and load cells as arrows on the whole article, and with their names near by.
@@ -423,7 +423,7 @@ CYCLES = 1.0
 """Of the animation, which runs in its own time and begins anew."""
 
 
-def draw_swing(found: Simulated, asked: ArticleOptions, folder: Path, *, animate: bool, about: str = "") -> list[Path]:
+def draw_swing(found: Simulated, asked: ArticleOptions, folder: Path, *, animate: bool) -> list[Path]:
     """Write the picture of `found` into `folder`, and the animation when asked for; say where they are.
 
     Raises
@@ -433,7 +433,7 @@ def draw_swing(found: Simulated, asked: ArticleOptions, folder: Path, *, animate
     swing = drawn_swing(found, asked)
     stem = file_name(f"swing-{found.record.setup.article}-{found.record.setup.axis}")
     picture = folder / f"{stem}.png"
-    pendulum_picture(swing, picture, about)
+    pendulum_picture(swing, picture)
     if not animate:
         return [picture]
     moving = folder / f"{stem}.gif"
