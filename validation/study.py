@@ -374,8 +374,12 @@ class Study:
         return replace(ready, model=model)
 
     def over(self, reduced_anew: Callable[[ReducedStructure], ReducedStructure]) -> Self:
-        """The same with tests over other coordinates, as `reduced_anew` makes those of each structure."""
-        return replace(self, tests=structure_tests.over(self.tests, reduced_anew))
+        """The same with structures over other coordinates, as `reduced_anew` makes those of each."""
+        return replace(
+            self,
+            made=structure_tests.over(self.made, reduced_anew),
+            tests=structure_tests.over(self.tests, reduced_anew),
+        )
 
     def by(self, model: Model) -> Self:
         """The same data by a `model` of the same structure with other effects; spectra are not made again."""

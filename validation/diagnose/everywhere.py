@@ -47,9 +47,9 @@ from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import INDISTINGUISHABLE_NATS, at_position, evidence_threshold, position
 from validation.estimation.fit import BREAKDOWNS, FLOOR
 from validation.estimation.likelihood import cost_of
-from validation.estimation.problem import Fit, Problem
+from validation.estimation.problem import Fit, Prediction, Problem
 from validation.model.model import Added
-from validation.prediction.dynamic_mass import Finite
+from validation.prediction.dynamic_mass import AttachedResponse, Finite
 from validation.prediction.effects import UNSEEN, Nuisances
 from validation.prediction.structure import ReducedStructure
 from validation.prediction.structure_tests import OnNodes
@@ -59,7 +59,7 @@ MASS, SPRINGS, RESONATOR = "point-mass", ("cable:x", "cable:y", "cable:z"), "abs
 KINDS = (MASS, *SPRINGS, RESONATOR)
 """What is looked for: a family, with its direction."""
 
-AT_ONCE = 256
+AT_ONCE = 64
 """[count] of nodes that are worked out together: some ten megabytes. Exercised by
 tests/validation/diagnosing/test_everywhere.py."""
 
@@ -170,6 +170,10 @@ class NodeScores:
         return Named(family=family, targets=(place, along) if along else (place,), values=values)
 
 
+Where = Callable[[Nuisances], Array]
+"""Of a structure as a test knows it (q, 3, k), what each of its coordinates moves some places along x, y, z."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MeshSearch:
     """All tests of one structure beside the fit of a candidate.
@@ -177,8 +181,8 @@ class MeshSearch:
     Attributes
     ----------
     offsets : of the fit
-    structure, whole : as all its tests know it, and what that was reduced from
-    points, moved : (p, 3) [m] nodes that move, and (p, 3) by which rows of the basis
+    structure, whole : as the first of its tests knows it, and what that was reduced from
+    points, moved : (p, 3) [m] nodes that move, and (p, 3) by which degrees of freedom
     tests : by data set, what the fit leaves, and its prediction
     brought : [nats] by an effect that the fit has and the prediction has not, where one is looked for in its place
     """
@@ -194,21 +198,22 @@ class MeshSearch:
     @classmethod
     def of(cls, candidate: Candidate) -> Iterator["MeshSearch"]:
         """One for every structure of which nodes and units are known."""
-        found: dict[str, list[tuple[fit.Swallowing, OnNodes]]] = {}
-        tested = [one for one in candidate.problem.predictions if isinstance(one, OnNodes)]
-        if not any(one.structure.scaled and one.structure.reduced is not None for one in tested):
+        found: dict[int, list[tuple[fit.Swallowing, OnNodes]]] = {}
+        if not any(_has_nodes(one) for one in candidate.problem.predictions):
             return
         for one in fit.swallowing(candidate):
             prediction = one.of.prediction
-            if isinstance(prediction, OnNodes) and prediction.structure.scaled:
-                found.setdefault(prediction.structure.configuration, []).append((one, prediction))
+            if isinstance(prediction, OnNodes) and (whole := _has_nodes(prediction)):
+                found.setdefault(id(whole.structure.stiffness), []).append((one, prediction))
         offsets = {**candidate.problem.start, **candidate.fit.by_name}
         for tests in found.values():
-            whole = tests[0][1].structure.reduced
-            points, moved = (np.zeros((0, 3)), np.zeros((0, 3), dtype=np.intp)) if whole is None else whole.nodes()
-            if whole is not None and len(points):
-                structure = tests[0][1].structure
-                yield cls(offsets=offsets, structure=structure, whole=whole, points=points, moved=moved, tests=tuple(tests))
+            structure = tests[0][1].structure
+            assert structure is not None
+            assert structure.reduced is not None
+            points, moved = structure.reduced.nodes()
+            yield cls(
+                offsets=offsets, structure=structure, whole=structure.reduced, points=points, moved=moved, tests=tuple(tests)
+            )
 
     @classmethod
     def in_place_of(cls, data: Study, there: Candidate, brought: float) -> Iterator["MeshSearch"]:
@@ -223,9 +228,10 @@ class MeshSearch:
             tests = [(left, without[one.measured.name]) for left, one in search.tests]
             yield replace(search, tests=tuple((left, one) for left, one in tests if isinstance(one, OnNodes)), brought=brought)
 
-    def rows(self, nodes: slice | Integers) -> Array:
-        """(q, 3, k) what each coordinate moves some `nodes` along x, y, z."""
-        return at_freedoms(self.whole.basis, self.moved[nodes])
+    def at(self, nodes: slice | Integers) -> Where:
+        """Some of its nodes."""
+        moved = self.moved[nodes]
+        return lambda of: np.zeros((0, 3, 0)) if of.reduced is None else at_freedoms(of.reduced.basis, moved)
 
     def scores(self) -> NodeScores:
         """Of every node."""
@@ -235,7 +241,7 @@ class MeshSearch:
         tuned, places = np.zeros((len(points), 2)), self.resonances() if self.lined else ()
         for begin in range(0, len(points), AT_ONCE):
             some = slice(begin, begin + AT_ONCE)
-            told = self.told(self.rows(some), places)
+            told = self.told(self.at(some), places)
             for kind, (e, c) in told.items():
                 if kind in evidence:
                     evidence[kind][some], size[kind][some] = e, c
@@ -260,8 +266,8 @@ class MeshSearch:
         """Whether there are lines of a spectrum, along which a resonator can be looked for."""
         return any(has_lines(prediction) for _, prediction in self.tests)
 
-    def told(self, rows: Array, places: Sequence[tuple[float, float]]) -> dict[str, tuple[Array, Array]]:
-        """By kind evidence (q,) [nats] and size (q,), at nodes that coordinates move by `rows` (q, 3, k).
+    def told(self, where: Where, places: Sequence[tuple[float, float]]) -> dict[str, tuple[Array, Array]]:
+        """By kind evidence (q,) [nats] and size (q,), at some places.
 
         Parameters
         ----------
@@ -269,7 +275,7 @@ class MeshSearch:
         """
         answers: dict[str, list[fit.Answers]] = {}
         for of, prediction in self.tests:
-            made = prediction.attached(self.offsets, of.of.lines, rows)
+            made = _attached(self.offsets, of, prediction, where)
             mass = made.readings.sum(axis=-1)
             answers.setdefault(MASS, []).append(_answers(of, mass))
             for axis, kind in enumerate(SPRINGS):
@@ -278,7 +284,7 @@ class MeshSearch:
             for f, ratio in places if has_lines(prediction) else ():
                 course = _resonator(of.of.frequency, f, ratio)[None, :, None, None]
                 answers.setdefault(f"{RESONATOR}:{f}:{ratio}", []).append(_answers(of, mass * course))
-        plausible = self.plausible(rows)
+        plausible = self.plausible(where)
         return {kind: self._evidence(kind, each, plausible) for kind, each in answers.items()}
 
     def _evidence(self, kind: str, answers: Sequence[fit.Answers], plausible: Mapping[str, Array]) -> tuple[Array, Array]:
@@ -296,10 +302,10 @@ class MeshSearch:
         allowed = (size > 0) | (kind == MASS)
         return np.where(allowed, gain * wide / (1 + wide), 0.0) - 0.5 * np.log1p(wide), np.where(allowed, size, 0.0)
 
-    def plausible(self, rows: Array) -> dict[str, Array]:
+    def plausible(self, where: Where) -> dict[str, Array]:
         """By kind (q,) standard deviation of a fault, as `validation.prediction.effects.plausible` has it of a named place."""
-        modes = len(self.structure.frequency)
-        square = rows[:, :, :modes] ** 2
+        modes = self.structure.nominal.base + np.arange(len(self.structure.frequency))
+        square = where(self.structure)[:, :, modes] ** 2
         moved = {MASS: square.sum(axis=1).max(axis=-1)}
         at = np.max(square / (2 * np.pi * self.structure.frequency) ** 2, axis=-1)
         moved |= {kind: at[:, axis] for axis, kind in enumerate(SPRINGS)}
@@ -308,14 +314,14 @@ class MeshSearch:
 
     def resonances(self) -> tuple[tuple[float, float], ...]:
         """Frequencies [Hz] and damping ratios at which a resonator explains most at any of some nodes."""
-        some = self.rows(np.unique(np.linspace(0, len(self.points) - 1, SURVEYED).astype(np.int64)))
+        some = self.at(np.unique(np.linspace(0, len(self.points) - 1, SURVEYED).astype(np.int64)))
         lined = [(of, one) for of, one in self.tests if has_lines(one)]
         low, high = band(of.of.frequency for of, _ in lined)
         every = np.geomspace(low, high, max(int(PER_OCTAVE * np.log2(high / low)), 2))
         places = [(float(f), ratio) for ratio in DAMPING for f in every]
         answers = []
         for of, one in lined:
-            mass = one.attached(self.offsets, of.of.lines, some).readings.sum(axis=-1)
+            mass = _attached(self.offsets, of, one, some).readings.sum(axis=-1)
             products = fit.products(of, mass, np.arange(mass.shape[2]))
             courses = np.stack([_resonator(of.of.frequency, f, ratio) for f, ratio in places])
             answers.append(fit.following(products, courses, of.root))
@@ -323,8 +329,8 @@ class MeshSearch:
         best = np.where(found.size > 0, found.gain, 0.0).max(axis=1)
         return tuple(places[k] for k in np.argsort(-best)[:TUNED])
 
-    def sized(self, kind: str, row: Array, first: float, octaves: Array = OCTAVES, *, nearer: int = 0) -> tuple[float, float]:
-        """Evidence [nats] and size of a mass or a spring without the first order, where coordinates move by `row` (3, k).
+    def sized(self, kind: str, where: Where, first: float, octaves: Array = OCTAVES, *, nearer: int = 0) -> tuple[float, float]:
+        """Evidence [nats] and size of a mass or a spring at one place, without the first order.
 
         Tolerances follow to first order what the effect does at each size, all of the sign of its size to `first` order.
 
@@ -333,9 +339,9 @@ class MeshSearch:
         octaves : sizes, as powers of two of what is plausible
         nearer : how often the top of the parabola over the best of them and its neighbours is asked, too
         """
-        spread = float(self.plausible(row[None])[kind][0])
+        spread = float(self.plausible(where)[kind][0])
         sign = -1 if first < 0 else 1
-        reads = tuple(of(row) for of in self.finite)
+        reads = tuple(of(where(_known(one))[0]) for of, (_, one) in zip(self.finite, self.tests, strict=True))
 
         def at(octave: float) -> float:
             return self._at(kind, reads, float(sign * spread * np.exp2(octave)), spread)
@@ -357,14 +363,14 @@ class MeshSearch:
     def nearby(self, kind: str, point: Array, size: float) -> tuple[int, float, float]:
         """The best node that is reached from `point` (3,), where `size` is that, its evidence [nats] and size."""
         node = int(np.argmin(np.linalg.norm(self.points - point, axis=1)))
-        best = (*self.sized(kind, self.rows(np.array([node]))[0], size), node)
+        best = (*self.sized(kind, self.at(np.array([node])), size), node)
         for k, step in enumerate(STEPS):
             away = np.linalg.norm(self.points - self.points[best[2]], axis=1) / np.ptp(self.points, axis=0).max()
             near = np.argsort(away)[: int(np.sum(away <= step))]  # itself, too, at nearer sizes
             asked = np.unique(near[np.linspace(0, len(near) - 1, AROUND).astype(np.int64)])
-            at = np.log2(abs(best[1]) / self.plausible(self.rows(np.array([best[2]])))[kind][0])
-            some, rows = at + NARROW * max(0.5**k, NEAREST), self.rows(asked)
-            told = [self.sized(kind, row, size, some, nearer=NEARER if k else 0) for row in rows]
+            at = np.log2(abs(best[1]) / self.plausible(self.at(np.array([best[2]])))[kind][0])
+            some = at + NARROW * max(0.5**k, NEAREST)
+            told = [self.sized(kind, self.at(np.array([one])), size, some, nearer=NEARER if k else 0) for one in asked]
             best = max([best, *((*one, node) for one, node in zip(told, asked.tolist(), strict=True))])
         return best[2], best[0], best[1]
 
@@ -375,7 +381,7 @@ class MeshSearch:
             best = int(np.argmax(evidence))
             return best, float(evidence[best]), float(size[best])
         some = scores.standing_out(kind).tolist()
-        _, found, node = max((*self.sized(kind, self.rows(np.array([one]))[0], size[one]), one) for one in some)
+        _, found, node = max((*self.sized(kind, self.at(np.array([one])), size[one]), one) for one in some)
         return self.nearby(kind, self.points[node], found)
 
     def twins(self, kind: str, named: Named) -> Array:
@@ -384,10 +390,10 @@ class MeshSearch:
 
         own = int(np.argmin(np.linalg.norm(self.points - np.array(position(named.target)), axis=1)))
         some = np.unique([own, *np.linspace(0, len(self.points) - 1, ASKED).astype(np.int64)])
-        rows, tree = self.rows(some), cKDTree(self.points[some])
-        octaves = np.log2(abs(named.value) / self.plausible(rows)[kind])
-        each = zip(rows, octaves, strict=True)
-        gains = np.array([self.sized(kind, row, named.value, np.array([octave]))[0] for row, octave in each])
+        tree = cKDTree(self.points[some])
+        octaves = np.log2(abs(named.value) / self.plausible(self.at(some))[kind])
+        each = zip(some, octaves, strict=True)
+        gains = np.array([self.sized(kind, self.at(np.array([one])), named.value, np.array([octave]))[0] for one, octave in each])
         around = tree.query(self.points[some], k=min(NEIGHBOURS, len(some)))[1]
         uphill, top = around[np.arange(len(some)), np.argmax(gains[around], axis=1)], int(np.searchsorted(some, own))
         least = (1 - SCREENING_ERROR) * gains[top] - SCREENING_MARGIN
@@ -401,9 +407,12 @@ class MeshSearch:
         names = [name for name in self.structure.nominal.places if position(name) is None]
         if not names or kind == RESONATOR:
             return "", 0.0
-        rows = np.stack([self.structure.nominal.places[name] for name in names])
-        first, size = self.told(rows, ())[kind]
-        gain, name = max((self.sized(kind, rows[k], size[k])[0], names[k]) for k in np.argsort(-first)[:NAMED].tolist())
+
+        def at(some: Sequence[str]) -> Where:
+            return lambda of: np.stack([of.nominal.places[name] for name in some])
+
+        first, size = self.told(at(names), ())[kind]
+        gain, name = max((self.sized(kind, at([names[k]]), size[k])[0], names[k]) for k in np.argsort(-first)[:NAMED].tolist())
         return name, gain
 
     @cached_property
@@ -426,6 +435,22 @@ class MeshSearch:
         gain += self.brought
         known = 0.5 * (size / spread) ** 2 + 0.5 * float(np.log1p(2 * max(gain, 0.0) * (spread / size) ** 2))
         return gain - known
+
+
+def _has_nodes(one: Prediction) -> ReducedStructure | None:
+    """The structure of which something could be attached to any node; None where no nodes or no units are known."""
+    of = one.structure if isinstance(one, OnNodes) else None
+    whole = of.reduced if of is not None and of.scaled else None
+    return whole if whole is not None and len(whole.nodes()[0]) else None
+
+
+def _known(one: OnNodes) -> Nuisances:
+    assert one.structure is not None  # it has nodes
+    return one.structure
+
+
+def _attached(offsets: Mapping[str, float], of: fit.Swallowing, one: OnNodes, where: Where) -> AttachedResponse:
+    return one.attached(offsets, of.of.lines, where(_known(one)), of.of.inputs)
 
 
 def _answers(of: fit.Swallowing, readings: ComplexArray) -> fit.Answers:

@@ -29,10 +29,10 @@ from validation.model.model import Added
 from validation.prediction import dynamic_mass
 from validation.prediction import effects as prediction_effects
 from validation.prediction.effects import name
-from validation.prediction.modal_table import SLOWEST, real_modes
+from validation.prediction.modal_table import SLOWEST, TableShapes, real_modes
 from validation.prediction.points import stated
+from validation.prediction.response_functions import ResponseFunctionTest
 from validation.prediction.structure import ReducedStructure
-from validation.prediction.structure_tests import OnNodes
 from validation.study import Study
 
 # How many nats a test is expected to give for the right one of two explanations, in closed form.
@@ -402,14 +402,14 @@ def pick_ups(rivals: Sequence[Candidate]) -> Iterator[Forecast]:
         yield Forecast(offer=offer, gains=tuple(float(gain[node, axis]) for gain in gains))
 
 
-def _read(of: Candidate) -> list[tuple[OnNodes, ReducedStructure]]:
+def _read(of: Candidate) -> list[tuple[ResponseFunctionTest | TableShapes, ReducedStructure]]:
     """The predictions of a candidate of what pick-ups read on a structure by itself, of which nodes are known."""
-    some = ((one, one.structure.reduced) for one in of.problem.predictions if isinstance(one, OnNodes))
-    read = ((one, known) for one, known in some if [at.name for at in one.responses] == [*one.measured.channels])
+    some = (one for one in of.problem.predictions if isinstance(one, ResponseFunctionTest | TableShapes))
+    read = ((one, one.structure.reduced) for one in some if [at.name for at in one.responses] == [*one.measured.channels])
     return [(one, known) for one, known in read if known is not None and len(known.nodes()[0])]
 
 
-def _modes_at(of: Candidate, one: OnNodes, reduced: ReducedStructure) -> tuple[Array, Array, Array]:
+def _modes_at(of: Candidate, one: ResponseFunctionTest | TableShapes, reduced: ReducedStructure) -> tuple[Array, Array, Array]:
     """(q, 3) [m] nodes spread over the structure that `one` predicts, and what its modes in the band move the pick-ups (m, c) and
     these nodes (m, q, 3), of the root mean square 1 of what is read."""
     known = {**of.problem.start, **of.fit.by_name}

@@ -26,7 +26,6 @@ from validation.prediction import structure as reduction
 from validation.prediction.effects import Nuisances, opened
 from validation.prediction.modal_table import real_modes
 from validation.prediction.structure import ReducedStructure
-from validation.prediction.structure_tests import OnNodes
 from validation.study import Study
 
 MULTIPLE = 5.0
@@ -106,7 +105,7 @@ def reduction_errors(study: Study) -> tuple[ReductionErrors, ...]:
     ------
     CheckFailed : the model does not fit its tests, so that nobody knows what they would name; as `fem.modes.lowest`.
     """
-    tested = {one.structure.configuration: one.structure for one in study.tests if isinstance(one, OnNodes)}
+    tested = {of.configuration: of for one in study.tests if (of := one.structure) is not None}
     small = {name: of for name, of in tested.items() if of.reduced is not None and len(of.reduced.basis) <= LARGEST}
     if not small:
         return ()

@@ -51,7 +51,7 @@ ROUGHLY = 1.0
 """[sd] that the last step of a stage may be which is not the last. Exercised by tests/validation/engine/test_fit.py."""
 
 STEPS = 6
-"""[count] of evaluations that such a stage may take, the first twice as many where it begins several times. Held by
+"""[count] of evaluations that such a stage takes where nothing better is known to come of it. Held by
 tests/validation/engine/test_fit.py."""
 
 LOOKED_AT = 32
@@ -123,6 +123,7 @@ def annealed(
     progress: Progress,
     *,
     most: int = MOST,
+    steps: int = STEPS,
     again: int = RESTARTS,
     everywhere: bool = False,
     near: End | None = None,
@@ -135,6 +136,7 @@ def annealed(
 
     Parameters
     ----------
+    steps : evaluations that a stage may take which is not the last, the first twice as many where it begins several times
     everywhere : whether the first stage begins at other stiffnesses as well, and the way goes on from its cheapest end: of modes
         that lie closer than their parts are known, one takes the place of another, and no step leads back from there
     near : where the short way from `offsets` ended, to which all further stages lead if none of the others ends lower
@@ -150,11 +152,11 @@ def annealed(
         stage = replace(cost, problem=sparse, observed=(), free=moving, floor=floor, base={**cost.base, **found})
         stage = replace(stage, worth=cost.worth if everything else inf)
         others = _elsewhere(stage, found) if everywhere and not done else []
-        steps = 2 * STEPS if others else STEPS
-        ends = [descent(stage, found, close=ROUGHLY, most=steps)]
+        within = 2 * steps if others else steps
+        ends = [descent(stage, found, close=ROUGHLY, most=within)]
         for begin in others:
             with suppress(CheckFailed):
-                ends.append(descent(stage, begin, close=ROUGHLY, most=steps))
+                ends.append(descent(stage, begin, close=ROUGHLY, most=within))
         best = min(ends, key=lambda end: end.normal.cost)
         if near is not None and ends[0].normal.cost < best.normal.cost + RESTART_GAIN:
             return near
@@ -381,7 +383,7 @@ def child(
     try:
         begin = {**null, **start}
         if from_afar:
-            end = annealed(cost, begin, lambda share: None, most=TRIAL)
+            end = annealed(cost, begin, lambda share: None, most=TRIAL, steps=TRIAL)
         else:
             end = direct(cost, begin, lambda share: None, close=close, most=TRIAL, again=1)
     except CheckFailed:

@@ -554,11 +554,8 @@ class SupportedDynamicMass:
         if solved is None:
             return H, found
         mounted, changes = self._mounted(solved, effects, drive, derivatives=derivatives)
-        if self.mounted:
-            seated, told = self._seated(mounted, offsets)
-            T, article = seated.transformation, mounted.matrix + seated.more
-        else:
-            T, told, article = rigid_transformation_6(mounted.seat), {}, mounted.matrix
+        seated, told = self._seated(mounted, offsets)
+        T, article = seated.transformation, mounted.matrix + seated.more
         found |= {name: T.T @ change @ T for name, change in changes.items()}
         for name, (turning, more) in told.items():
             if not is_wanted(name, derivatives):
@@ -566,6 +563,72 @@ class SupportedDynamicMass:
             half = turning.T @ article @ T
             found[name] = half + half.swapaxes(1, 2) + T.T @ more @ T
         return H + T.T @ article @ T, found
+
+    def attached(
+        self,
+        solved: "SolvedStructure",
+        offsets: Offsets,
+        effects: Sequence[Added],
+        drive: BaseDrive,
+        sensors: Sequence[str],
+        rows: Array,
+        through: ComplexArray,
+        inputs: ComplexArray,
+    ) -> ComplexArray:
+        """(r, n, c, p) what channels read more, to first order, of each kilogram that moves as `rows` (p, k) of the coordinates.
+
+        Parameters
+        ----------
+        solved, offsets, effects, drive, sensors : as `at` and `sensed` have them
+        through : (n, c, 6 + 3 a) what channels read of the loads about F, and of the bending at the accelerometers
+        inputs : (r, n, 6) motions of F
+        """
+        still, right = replace(solved, tangents={}), solved.answered.right
+        drawn, mounted = (self._mounted(still, some, drive, derivatives=False)[0] for some in ((), effects))
+        T, X = (self._seated(of, offsets)[0].transformation for of in (drawn, mounted))
+        moved = np.tensordot(rows, right[: rows.shape[1]], axes=1) @ _turned(self.standing.pose).T  # (p, n, 6)
+        loads, bent = through[:, :, :6] @ X.T, through[:, :, 6:]
+        # Whatever effects between base and article make of each entry of its dynamic mass, as large as that is at the line
+        size = np.abs(drawn.matrix).max(axis=(1, 2))
+        units = np.eye(36).reshape(36, 1, 6, 6) * size[:, None, None].astype(np.complex128)
+        passed = prediction_effects.body(drawn, {str(k): one for k, one in enumerate(units)}, effects, derivatives=False)[1]
+        if any(passed[str(k)] is not one for k, one in enumerate(units)):
+            both = np.einsum("pni,pnj->nijp", moved, moved).reshape(len(through), 36, -1) / size[:, None, None]
+            read = np.einsum("nci,knij,rnj->rnck", loads, np.stack([*passed.values()]), inputs @ X.T, optimize=True)
+            found = read @ both
+        else:
+            found = (loads @ moved.transpose(1, 2, 0)) * np.einsum("pnj,rnj->rnp", moved, inputs @ X.T, optimize=True)[:, :, None]
+        if sensors:
+            own = rows[:, solved.matrices.base :]
+            back = _pulled(solved.matrices, solved.answered.frequency, self._bending(solved, sensors))[:, : own.shape[1]]
+            driven = np.einsum("pnj,rnj->rnp", moved, inputs @ T.T, optimize=True)
+            found = found - (bent @ (own @ back).swapaxes(1, 2)) * driven[:, :, None]
+        return np.asarray(found, dtype=np.complex128)
+
+    def loaded(self, solved: "SolvedStructure") -> Callable[[Array], Callable[[Array, Array], "SolvedStructure"]]:
+        """``at(row)(mass, spring)``: what is `solved` with a mass [kg] and a spring to the ground [N/m] along each axis, (3,)
+        both, at a place that coordinates move by `row` (3, k)."""
+        answered, b = solved.answered, solved.matrices.base
+        whole = np.linalg.inv(dynamic_matrix(solved.matrices, answered.omega)[:, b:, b:])
+
+        def at(row: Array) -> Callable[[Array, Array], SolvedStructure]:
+            own = row[:, b:]
+            gives = whole[:, :, : own.shape[1]] @ own.T
+            there = own @ gives[:, : own.shape[1]]
+            moved = np.tensordot(row, answered.right[: row.shape[1]], axes=1).swapaxes(0, 1)
+
+            def read(mass: Array, spring: Array) -> SolvedStructure:
+                axes = np.flatnonzero((mass != 0) | (spring != 0))
+                added = mass[axes] - spring[axes] / answered.omega[:, None] ** 2
+                pull = np.linalg.solve(there[:, axes[:, None], axes] + np.eye(len(axes)) / added[:, None, :], moved[:, axes])
+                right = np.array(answered.right)
+                right[b:] -= (gives[:, :, axes] @ pull).swapaxes(0, 1)
+                matrix = answered.matrix + moved[:, axes].swapaxes(1, 2) @ pull
+                return replace(solved, tangents={}, answered=replace(answered, matrix=matrix, left=right, right=right))
+
+            return read
+
+        return at
 
     def moved(self, offsets: Offsets, effects: Sequence[Added], frequency: Array) -> dict[str, tuple[ComplexArray, ComplexArray]]:
         """By place of the article (n, 3, 6) its accelerations along the axes of F for a unit of every motion of F; and the same
@@ -605,33 +668,32 @@ class SupportedDynamicMass:
         if solved is None:
             return np.zeros((len(frequency), 3 * len(sensors), 6), dtype=np.complex128), {}
         matrices, tangents, answered = solved.matrices, solved.tangents, solved.answered
-        b, pose = matrices.base, self.standing.pose
-        rows = np.vstack([pose.rotation @ matrices.places[self.standing.sensors[name]] for name in sensors])
-        bent = np.array(rows)
-        bent[:, :b] = 0
-        back = np.zeros((len(matrices.mass), len(frequency), len(rows)), dtype=np.complex128)
+        b, pose, bent = matrices.base, self.standing.pose, self._bending(solved, sensors)
+        back = np.zeros((len(matrices.mass), len(frequency), len(bent)), dtype=np.complex128)
         if tangents and len(matrices.mass) > b:
-            D = dynamic_matrix(matrices, 2 * np.pi * frequency)
-            pulls = np.broadcast_to(bent[:, b:].T.astype(np.complex128), (len(frequency), len(matrices.mass) - b, len(rows)))
-            back[b:] = np.linalg.solve(D[:, b:, b:], pulls).transpose(1, 0, 2)
+            back[b:] = _pulled(matrices, frequency, bent).transpose(1, 0, 2)
         own = replace(answered, matrix=bent @ answered.right.transpose(1, 0, 2), left=np.ascontiguousarray(back), sign=-1.0)
         changes = transfer_tangents(own, tangents)
-        R, T = _turned(pose), rigid_transformation_6(pose.position)
-        told: dict[str, tuple[Array, Array]] = {}
-        if self.mounted:
-            stands = MountedDynamicMass(
-                frequency=frequency, matrix=R @ answered.matrix @ R.T, seat=pose.position, cog=R[:3, :3] @ matrices.cog
-            )
-            seated, told = self._seated(stands, offsets)
-            T = seated.transformation
+        R = _turned(pose)
+        seated, told = self._seated(self._mounted(replace(solved, tangents={}), (), BaseDrive(), derivatives=False)[0], offsets)
+        T = seated.transformation
         found = {name: change @ R.T @ T for name, change in changes.items()}
         for name, (turning, _) in told.items():
             if np.any(turning) and is_wanted(name, derivatives):
                 found[name] = own.matrix @ R.T @ turning
         return own.matrix @ R.T @ T, found
 
+    def _bending(self, solved: "SolvedStructure", sensors: Sequence[str]) -> Array:
+        """(3 a, k) what each coordinate moves the accelerometers along the axes of F, but for those of the base."""
+        at = self.standing
+        bent = np.vstack([at.pose.rotation @ solved.matrices.places[at.sensors[name]] for name in sensors])
+        bent[:, : solved.matrices.base] = 0
+        return bent
+
     def _seated(self, of: MountedDynamicMass, offsets: Offsets) -> tuple[Seated, dict[str, tuple[Array, Array]]]:
         """How the article of `of` stands at `offsets`, and by parameter d X and d (sum of dp_k E_k), (6, 6) each."""
+        if not self.mounted:
+            return Seated(transformation=rigid_transformation_6(of.seat), more=np.zeros((6, 6))), {}
         beside, turn, more = np.zeros(3), np.zeros(3), np.zeros((6, 6))
         to_cog, still, told = rigid_transformation_6(of.cog), np.zeros((6, 6)), {}
         for one in self.mounted:
@@ -696,6 +758,13 @@ def structure(
             matrices, tangents, of.nominal, offsets, derivatives=every, laws=laws, coupling=of.coupling(offsets)[0]
         )
     return matrices, {name: change for name, change in tangents.items() if is_wanted(name, derivatives)}
+
+
+def _pulled(matrices: Matrices, frequency: Array, rows: Array) -> ComplexArray:
+    """(n, k - b, q) how the coordinates beside a base held still answer to a pull along each of `rows` (q, k)."""
+    b = matrices.base
+    pulls = np.broadcast_to(rows[:, b:].T.astype(np.complex128), (len(frequency), len(matrices.mass) - b, len(rows)))
+    return np.asarray(np.linalg.solve(dynamic_matrix(matrices, 2 * np.pi * frequency)[:, b:, b:], pulls))
 
 
 def _turned(pose: Pose) -> Array:

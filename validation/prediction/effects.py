@@ -688,13 +688,14 @@ NEXT_TO_NOTHING = 1e-7
 def plausible(of: Nuisances, named: Named, size: SizeSpec) -> float:
     """Standard deviation of a fault before anything was measured, of a size that has a unit or is a loss: by the modes of the
     structure."""
-    modes = len(of.frequency)
-    if of.nominal.base or not modes or size.logarithmic or _family(named).stage != STRUCTURE_STAGE:
+    modes = of.nominal.base + np.arange(len(of.frequency))
+    drawn = of.nominal.base and of.reduced is None  # an article of the catalogue, by whose sizes it goes
+    if drawn or not len(modes) or size.logarithmic or _family(named).stage != STRUCTURE_STAGE:
         return size.plausible
     step = min(NEXT_TO_NOTHING * size.plausible, COARSE * _straight(_with(named, size, size.null), of.nominal, inf))
     before, after = (_changed(_with(named, size, size.null + one), of.nominal) for one in (0.0, step))
     squares = (2 * np.pi * of.frequency) ** 2
-    K, M, S = ((np.diag(getattr(after, one)) - np.diag(getattr(before, one)))[:modes] / step for one in FIELDS_OF_FAULTS)
+    K, M, S = ((np.diag(getattr(after, one)) - np.diag(getattr(before, one)))[modes] / step for one in FIELDS_OF_FAULTS)
     if size.unit == "1" and (K.any() or M.any()):
         return size.plausible
     moved = float(np.abs((S if size.unit == "1" else K) / squares - M).max(initial=0.0))
@@ -920,6 +921,6 @@ def _directional(named: Named, stage: MountedDynamicMass, tangent: ComplexArray)
     size = np.abs(tangent).max(initial=0.0)
     if not size:
         return tangent
-    step = COARSE * np.abs(stage.matrix).max() / size
+    step = FINE * np.abs(stage.matrix).max() / size
     below, above = (_changed(named, replace(stage, matrix=stage.matrix + side * step * tangent)).matrix for side in (-1, 1))
     return np.asarray((above - below) / (2 * step))

@@ -306,7 +306,7 @@ class _TablePart(ABC):
         """The same data by another model of the structure."""
         return replace(self, structure=structure)
 
-    def attached(self, offsets: Offsets, lines: Lines, rows: Array) -> dynamic_mass.AttachedResponse:
+    def attached(self, offsets: Offsets, lines: Lines, rows: Array, inputs: ComplexArray) -> dynamic_mass.AttachedResponse:
         """What a mass at places would change, to first order: all modes serve every place.
 
         Parameters

@@ -130,7 +130,7 @@ class ResponseFunctionTest:
         """The same data by another model of the structure."""
         return replace(self, structure=structure)
 
-    def attached(self, offsets: Offsets, lines: Lines, rows: Array) -> AttachedResponse:
+    def attached(self, offsets: Offsets, lines: Lines, rows: Array, inputs: ComplexArray) -> AttachedResponse:
         """What a mass at places would change, to first order.
 
         With D = M - (K + ...) / omega² a mass on phi changes phi_r^T D^-1 phi_d by -(phi D^-1 phi_r)(phi D^-1 phi_d): two

@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.errors import BadInput
-from geometry.frames import Array
+from geometry.frames import Array, Integers
 from geometry.sensors import Channel, Place
 from identification.campaign import Campaign, Processing, Run
 from identification.chain import Chain, chain
@@ -37,7 +37,7 @@ from validation.model.model import Added, Model
 from validation.model.tolerance_classes import METROLOGY
 from validation.prediction import dynamic_mass
 from validation.prediction import effects as prediction_effects
-from validation.prediction.dynamic_mass import BaseDrive, SupportedDynamicMass, drives
+from validation.prediction.dynamic_mass import AttachedResponse, BaseDrive, Finite, SolvedStructure, SupportedDynamicMass, drives
 from validation.prediction.structure import MountedArticle, mounted_article, moving_part
 
 # The measurement chain of one campaign as a model knows it, in the engine's words.
@@ -563,6 +563,54 @@ class SeriesPrediction:
         at = self._at(offsets)
         return self.tested.carried.moved(at, prediction_effects.at(self._reaching, at), self._lines(lines))
 
+    def by(self, structure: prediction_effects.Nuisances) -> "SeriesPrediction":
+        """The same data by another model of the structure."""
+        made, carried = structure.reduced, self.tested.carried
+        standing = carried.standing if made is None else replace(carried.standing, matrices=made.matrices, reduced=made)
+        other = replace(carried, nuisances=structure, standing=standing)
+        return replace(self, tested=replace(self.tested, carried=other))
+
+    def attached(self, offsets: problem.Offsets, lines: problem.Lines, rows: Array, inputs: ComplexArray) -> AttachedResponse:
+        """What a mass at places would change, to first order, as `validation.prediction.structure_tests.OnNodes` has it."""
+        f, at = self._lines(lines), self._at(offsets)
+        effects = tuple(replace(one, fixed=True) for one in prediction_effects.at(self._reaching, at))
+        carried, names = self.tested.carried, [one.name for one in self._chain.article.channels]
+        theta = np.array([at.get(one.name, 0.0) for one in self._chain.parameters])
+        A0, A1 = self._chain.rows(theta, f)
+        solved = carried.solved(at, effects, f, derivatives=False)
+        assert solved is not None  # what has nodes stands there
+        made = np.empty((len(inputs), len(f), A1.shape[1], 3 * len(rows)), dtype=np.complex128)
+        for drive, runs in self._variants:
+            some = list(runs)
+            H = self._carried(at, f, drive, derivatives=False, solved=solved)[0]
+            made[some] = carried.attached(solved, at, effects, drive, names, rows.reshape(3 * len(rows), -1), A1, inputs[some])
+            if not prediction_effects.channels_pass(effects):
+                reading = self._reading(f, A0 + A1 @ H, drive)
+                for run in some:
+                    made[run] = prediction_effects.channels(reading, {"": made[run]}, effects)[1][""]
+        spring = np.broadcast_to(-1 / (2 * np.pi * f) ** 2, made.shape[:2]).astype(np.complex128)
+        return AttachedResponse(readings=made.reshape(*made.shape[:3], len(rows), 3), spring=spring)
+
+    def finite(self, offsets: problem.Offsets, lines: problem.Lines) -> Finite:
+        """What is read with a mass or a spring of any size at a place."""
+        f, at = self._lines(lines), self._at(offsets)
+        effects = prediction_effects.at(self._reaching, at)
+        solved = self.tested.carried.solved(at, effects, f, derivatives=False)
+        assert solved is not None  # what has nodes stands there
+        loaded = self.tested.carried.loaded(solved)
+
+        def of_place(row: Array) -> Callable[[Array, Array], ComplexArray]:
+            made = loaded(row)
+
+            def read(mass: Array, spring: Array) -> ComplexArray:
+                there = made(mass, spring)
+                rows = [self._read(at, f, drive, derivatives=False, solved=there).rows for drive, _ in self._variants]
+                return rows[0] if len(rows) == 1 else np.stack([rows[k] for k in self._order])
+
+            return read
+
+        return of_place
+
     def at(
         self, offsets: problem.Offsets, lines: problem.Lines | None = None, *, derivatives: problem.Wanted = True
     ) -> problem.Predicted:
@@ -583,11 +631,7 @@ class SeriesPrediction:
         noise = self._noise(at, lines, frequency)
         if len(found) == 1:
             return problem.Predicted(rows=found[0].rows, changes=found[0].changes, noise=noise)
-        order = np.zeros(len(self.measured.runs), dtype=np.int64)
-        for k, (_, runs) in enumerate(self._variants):
-            order[list(runs)] = k
-        # Runs that are read differently, `order` (r,) says which of `found` each is
-        changes = {}
+        order, changes = self._order, {}
         for name in dict.fromkeys(name for one in found for name in one.changes):
             of = [one.changes[name] for one in found]
             channels = tuple(sorted({k for one in of for k in one.channels}))
@@ -608,7 +652,7 @@ class SeriesPrediction:
         """The parameters, and the offsets of those that stand at a given size."""
         left, given = prediction_effects.opened(self.tested.opened(self._reaching)[1], self._reaching)
         equations = [one for one in self._reaching if _stage(one) in EQUATIONS]
-        return (*left, *prediction_effects.parameters(equations)), given
+        return (*left, *prediction_effects.parameters(equations, self.structure)), given
 
     @cached_property
     def _variants(self) -> tuple[tuple[BaseDrive, tuple[int, ...]], ...]:
@@ -619,6 +663,14 @@ class SeriesPrediction:
             return ((BaseDrive(), tuple(range(len(drives)))),)
         return tuple((drive, (k,)) for k, drive in enumerate(drives))
 
+    @cached_property
+    def _order(self) -> Integers:
+        """(r,) which of `_variants` each run is read by."""
+        order = np.zeros(len(self.measured.runs), dtype=np.int64)
+        for k, (_, runs) in enumerate(self._variants):
+            order[list(runs)] = k
+        return order
+
     def _lines(self, lines: problem.Lines | None) -> Array:
         return self.measured.frequency if lines is None else self.measured.frequency[lines]
 
@@ -627,13 +679,22 @@ class SeriesPrediction:
         return at if learnt is None else learnt.at(at, [*at, *(one.name for one in self._opened[0])])
 
     def _carried(
-        self, at: problem.Offsets, frequency: Array, drive: BaseDrive, *, derivatives: problem.Wanted
+        self,
+        at: problem.Offsets,
+        frequency: Array,
+        drive: BaseDrive,
+        *,
+        derivatives: problem.Wanted,
+        solved: SolvedStructure | None = None,
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
-        """Loads on the cells, behind them what the article bends at its accelerometers, (n, 6 + 3 a, 6), and how they change."""
+        """Loads on the cells, behind them what the article bends at its accelerometers, (n, 6 + 3 a, 6), and how they change.
+
+        `solved` is the structure at these lines, where it is another than that of the effects.
+        """
         effects, every = prediction_effects.at(self._reaching, at), self.measured.frequency
         families = [FAMILIES[one.named.family] for one in effects]
         if self._chain.article.channels:
-            solved = self.tested.carried.solved(at, effects, frequency, derivatives=derivatives)
+            solved = solved or self.tested.carried.solved(at, effects, frequency, derivatives=derivatives)
             whole = self.tested.carried.at(at, effects, frequency, drive, derivatives=derivatives, solved=solved)
             names = [one.name for one in self._chain.article.channels]
             own = self.tested.carried.sensed(solved, at, frequency, names, derivatives=derivatives)
@@ -644,15 +705,23 @@ class SeriesPrediction:
             }
             return np.concatenate([whole[0], own[0]], axis=1), changes
         # Where what an effect does at a line depends on the lines beside it, it must see all of them
-        if not any(one.side == PROCESSING and one.stage == BODY_STAGE for one in families):
-            return self.tested.carried.at(at, effects, frequency, drive, derivatives=derivatives)
+        if solved is not None or not any(one.side == PROCESSING and one.stage == BODY_STAGE for one in families):
+            return self.tested.carried.at(at, effects, frequency, drive, derivatives=derivatives, solved=solved)
         H, changes = self.tested.carried.at(at, effects, every, drive, derivatives=derivatives)
         chosen = np.searchsorted(every, frequency)
         return H[chosen], {name: change[chosen] for name, change in changes.items()}
 
-    def _read(self, at: problem.Offsets, frequency: Array, drive: BaseDrive, *, derivatives: problem.Wanted) -> problem.Predicted:
-        """What the channels read of runs that were driven by `drive`."""
-        H, structural = self._carried(at, frequency, drive, derivatives=derivatives)
+    def _read(
+        self,
+        at: problem.Offsets,
+        frequency: Array,
+        drive: BaseDrive,
+        *,
+        derivatives: problem.Wanted,
+        solved: SolvedStructure | None = None,
+    ) -> problem.Predicted:
+        """What the channels read of runs that were driven by `drive`; `solved` as of `_carried`."""
+        H, structural = self._carried(at, frequency, drive, derivatives=derivatives, solved=solved)
         theta = np.array([at.get(one.name, 0.0) for one in self._chain.parameters])
         A0, A1 = self._chain.rows(theta, frequency)
         changes: dict[str, problem.Change | problem.Conveyed] = {}
@@ -669,17 +738,21 @@ class SeriesPrediction:
             rows[:, column] += at.get(one.name, 0.0) * change
             if problem.is_wanted(one.name, derivatives):
                 changes[one.name] = problem.Change(channels=(column,), rows=change[:, None])
-        reading = ChannelResponse(
+        effects = prediction_effects.at(self._reaching, at)
+        reading, changes = self._written(self._reading(frequency, rows, drive), changes, effects)
+        for name in self._opened[1]:
+            changes.pop(name, None)
+        return problem.Predicted(rows=reading.rows, changes=changes)
+
+    def _reading(self, frequency: Array, rows: ComplexArray, drive: BaseDrive) -> ChannelResponse:
+        """What the channels read, before anything happens to it."""
+        return ChannelResponse(
             frequency=frequency,
             channels=self._chain.names,
             rows=rows,
             amplitude=np.abs(rows @ drive.amplitude),
             peak=np.abs(rows @ drive.nominal).max(axis=0, initial=0.0),
         )
-        reading, changes = self._written(reading, changes, prediction_effects.at(self._reaching, at))
-        for name in self._opened[1]:
-            changes.pop(name, None)
-        return problem.Predicted(rows=reading.rows, changes=changes)
 
     def _written(
         self, reading: ChannelResponse, changes: dict[str, problem.Change | problem.Conveyed], effects: Sequence[Added]
@@ -739,6 +812,7 @@ def supported_dynamic_mass(model: Model, campaign: Campaign, stands: MountedArti
             part_tolerances=stands.part_tolerances,
             weighed=model.mounting.inertia,
             assumed=stands.assumed,
+            reduced=stands.reduced,
         )
     return SupportedDynamicMass(
         standing=stands,

@@ -91,7 +91,6 @@ def of_structure(
     damping: Damping | None = None,
     article: Article | None = None,
     band: float = BAND,
-    exactly: bool = False,
 ) -> Matrices:
     """`structure` on its moving base, about the article's origin; its own places come along.
 
@@ -103,7 +102,6 @@ def of_structure(
     damping : that of `modes`; by default the loss factors that the structure brings, as `fem.modes.fixed_base` takes it
     article : what is drawn; its beams' sections then carry the places, else the nodes nearest to them do
     band : [Hz] up to which effects on the structure are to be right
-    exactly : whether effects at parts and places are, at any size, what they are to the whole structure (`bent_far`)
 
     Raises
     ------
@@ -111,38 +109,48 @@ def of_structure(
     """
     free = hold(structure)
     rows = _displacement(structure, free, places, article)
-    shapes = _basis(structure, free, modes, free.load, rows, band, exactly)
-    own = _on_shapes(structure, free, shapes, rows, modes.frequency, damping or fem_damping.default_damping(structure), modes)
-    T66 = rigid_transformation_6(modes.reference_point)
+    shapes = _basis(structure, free, modes, free.load, rows, band)
+    used = damping or fem_damping.default_damping(structure)
+    own = _on_shapes(structure, free, shapes, rows, modes.frequency, used, modes)
+    return _driven(structure, own, _motions(structure, free, shapes), places, cog)
+
+
+def _motions(structure: Structure, free: HeldBase, shapes: Array) -> Array:
+    """(N, 6 + k) what all degrees of freedom move with a base about the article's origin, and by `shapes` (f, k)."""
+    return np.hstack([structure.rigid @ rigid_transformation_6(structure.reference_point), free.expand(shapes)])
+
+
+def _driven(
+    structure: Structure, own: Matrices, moved: Array, places: Places = NOWHERE, cog: npt.ArrayLike = (0.0, 0.0, 0.0)
+) -> Matrices:
+    """What moves as `moved` (N, 6 + k), `own` its matrices while the base is held still."""
+    carried = moved[:, :BASE]
     rides = {name: rigid_transformation(at) for name, at in places.items()}
-    rides |= {name: row @ structure.rigid @ T66 for name, row in structure.places.items()}
-    weighed = bool(structure.part_mass or structure.geometric)
-    whole = np.hstack([structure.rigid @ T66, free.expand(shapes)]) if weighed else np.zeros((0, 0))
+    rides |= {name: row @ carried for name, row in structure.places.items()}
 
     def on_base(share: Array) -> Array:
         """(6 + k, 6 + k) of a share of the stiffness, which no rigid motion strains."""
         return np.pad(share, (BASE, 0))
 
-    L = free.load.T @ shapes
-    T = np.eye(BASE + len(own.mass))
-    T[:BASE, :BASE] = T66
-    mass = np.block([[structure.rigid_mass, L], [L.T, own.mass]])
+    T66 = rigid_transformation_6(structure.reference_point)
+    L = (structure.mass @ carried).T @ moved[:, BASE:]
+    mass = np.block([[T66.T @ structure.rigid_mass @ T66, L], [L.T, own.mass]])
     return Matrices(
         base=BASE,
-        mass=_symmetric(T.T @ mass @ T),
+        mass=_symmetric(mass),
         stiffness=on_base(own.stiffness),
         viscous=on_base(own.viscous),
         structural=on_base(own.structural),
         places={name: np.hstack([there, own.places[name]]) for name, there in rides.items()},
         parts=each(own.parts, on_base),
         cog=np.asarray(cog, dtype=np.float64),
-        part_mass=each(_held(structure.part_mass, len(mass)), lambda share: _on_its_own(share, whole)),
+        part_mass=each(_held(structure.part_mass, len(mass)), lambda share: _on_its_own(share, moved)),
         supports=own.supports,
         joints={name: replace(one, loads=np.pad(one.loads, ((0, 0), (BASE, 0)))) for name, one in own.joints.items()},
         sections=each(own.sections, lambda both: (on_base(both[0]), on_base(both[1]))),
         unresolved=each(own.unresolved, on_base),
         shells=own.shells,
-        geometric=_congruent(sum(structure.geometric.values()), whole) if structure.geometric else np.zeros((0, 0)),
+        geometric=_congruent(sum(structure.geometric.values()), moved) if structure.geometric else np.zeros((0, 0)),
     )
 
 
@@ -154,13 +162,12 @@ def held(
     damping: Damping | None = None,
     article: Article | None = None,
     band: float = BAND,
-    exactly: bool = False,
 ) -> Matrices:
     """`structure` with its base held still; static answers to forces at all places are among the coordinates.
 
     Parameters
     ----------
-    band, exactly : as `of_structure`
+    band : as `of_structure`
 
     Raises
     ------
@@ -169,7 +176,7 @@ def held(
     free = hold(structure)
     rows = _displacement(structure, free, places, article)
     loads = np.vstack([np.zeros((0, len(free.free))), *rows.values()]).T
-    shapes = _basis(structure, free, modes, loads, rows, band, exactly)
+    shapes = _basis(structure, free, modes, loads, rows, band)
     return _on_shapes(structure, free, shapes, rows, modes.frequency, damping or fem_damping.default_damping(structure), modes)
 
 
@@ -210,16 +217,9 @@ def of_modes(modes: Modes, cog: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Matrices:
     )
 
 
-def _basis(structure: Structure, free: HeldBase, modes: Modes, loads: Array, rows: Rows, band: float, exactly: bool) -> Array:
+def _basis(structure: Structure, free: HeldBase, modes: Modes, loads: Array, rows: Rows, band: float) -> Array:
     """Kept modes and static answers beside them (f, n): to `loads` (f, k), then to what effects at parts and places will pull."""
-    if len(modes.shapes) != structure.mass.shape[0]:
-        raise ValueError(
-            f"`modes` must bring shapes on all {structure.mass.shape[0]} degrees of freedom, found {len(modes.shapes)}"
-        )
-    shapes = modes.shapes[free.free]
-    shapes = np.hstack([shapes, static_shapes(free.stiffness, free.mass, loads, shapes)])
-    if exactly:
-        return bent_far(structure, free, shapes, modes.frequency, rows, band)
+    shapes = _loaded(structure, free, modes, loads)
     swinging = modes.shapes[free.free][:, modes.frequency <= band]
     pulls = [restricted(K, free.free) @ swinging for K in parts_of(structure).values()]
     heavy = HEAVY * np.trace(structure.rigid_mass[:3, :3]) / 3 * (2 * np.pi * band) ** 2
@@ -234,6 +234,16 @@ def _basis(structure: Structure, free: HeldBase, modes: Modes, loads: Array, row
         square, directions = np.linalg.eigh(left.T @ (free.stiffness @ left))
         bending = np.asarray(forces @ directions[:, square > (NOTICED * 2 * np.pi * band) ** 2])
     return np.hstack([shapes, static_shapes(free.stiffness, free.mass, bending, shapes)]) if bending.size else shapes
+
+
+def _loaded(structure: Structure, free: HeldBase, modes: Modes, loads: Array) -> Array:
+    """Kept modes and static answers to `loads` (f, k) beside them (f, n)."""
+    if len(modes.shapes) != structure.mass.shape[0]:
+        raise ValueError(
+            f"`modes` must bring shapes on all {structure.mass.shape[0]} degrees of freedom, found {len(modes.shapes)}"
+        )
+    shapes = modes.shapes[free.free]
+    return np.hstack([shapes, static_shapes(free.stiffness, free.mass, loads, shapes)])
 
 
 def _on_shapes(
@@ -580,7 +590,7 @@ def joint_springs(structure: Structure, name: str) -> tuple[Array, Array] | None
     return np.where(kept[:, None], (loads @ R).T, 0.0), np.where(kept, six, 0.0)
 
 
-# A structure that no base carries: it stands on the ground, or floats.
+# A structure with its mesh: it stands on the ground, floats, or is driven by its base.
 
 ABOVE = 2.0
 """Modes are kept up to so far above the band, each as unsure as those in it; static answers stand for the others."""
@@ -597,11 +607,12 @@ class ReducedStructure:
     ----------
     structure : all of it, and `damping` where it is not that of its parts
     band : [Hz] where tests of it end
-    matrices : base 0; about its origin
-    frequency : (m,) [Hz] of the elastic modes, the first coordinates; behind them rigid motions, if it floats, and static answers
+    matrices : about its origin; of base 0 unless it was made `on_base`
+    frequency : (m,) [Hz] of the elastic modes, the first coordinates behind the base; then come rigid motions, if it floats, and
+        static answers
     losses : loss factor by part; none where damping is given by mode
     basis : (N, k) displacement of all degrees of freedom for each coordinate
-    swings : (N, m) what is held beside what `by_itself` makes; see `swinging_as`
+    swings : (N, m) what is held beside what `by_itself` or `on_base` makes; see `swinging_as`
     """
 
     structure: Structure
@@ -627,7 +638,11 @@ class ReducedStructure:
         """
         whole = with_positions(self.structure, positions)
         if anew:
-            made = by_itself(whole, self.band, damping=self.damping)
+            if self.matrices.base:
+                modes = fixed_base(whole, len(self.frequency), damping=self.damping or default_damping(whole))
+                made = on_base(whole, modes, self.band, self.matrices.cog, damping=self.damping)
+            else:
+                made = by_itself(whole, self.band, damping=self.damping)
             return made if self.swings is None else replace(made._beside(whole, self.swings), swings=self.swings)
         if whole is self.structure:
             return self
@@ -663,9 +678,9 @@ class ReducedStructure:
 
     def _beside(self, whole: Structure, more: Array) -> "ReducedStructure":
         """`whole`, which is the structure with any places, on the coordinates that there are and what is new of `more` (N, c)."""
-        free, of = hold(whole), self.matrices
-        shapes, top = self.basis[free.free], 2 * np.pi * self.band
-        soft = 0.1 * (2 * np.pi * self.frequency[0]) ** 2 if of.rigid.any() else 0.0
+        free, of, b = hold(whole), self.matrices, self.matrices.base
+        shapes, top = self.basis[free.free, b:], 2 * np.pi * self.band
+        soft = 0.1 * (2 * np.pi * self.frequency[0]) ** 2 if of.rigid[:, b:].any() else 0.0
         A = free.stiffness + soft * free.mass
         static = more[free.free]
         own, whole_energy = shapes.T @ (A @ shapes), np.sum(static * (A @ static), axis=0).max(initial=LEAST)
@@ -675,9 +690,9 @@ class ReducedStructure:
         kept = energy > SMALL * whole_energy  # what is there already leaves rounding alone
         more = top * static @ (directions[:, kept] / np.sqrt(energy[kept]))
         basis, grown = np.hstack([shapes, more]), (0, more.shape[1])
-        moves, coarse = np.pad(of.rigid, ((0, 0), grown)), each(of.unresolved, lambda share: np.pad(share, grown))
+        moves, coarse = np.pad(of.rigid[:, b:], ((0, 0), grown)), each(of.unresolved, lambda share: np.pad(share[b:, b:], grown))
         rows = _displacement(whole, free, NOWHERE, None)
-        made = _on_basis(whole, self.band, self.damping, free, basis, rows, self.frequency, moves, of.cog, coarse)
+        made = _on_basis(whole, self.band, self.damping, free, basis, rows, self.frequency, moves, of.cog, b > 0, coarse)
         return replace(made, swings=self.swings)
 
     def nodes(self) -> tuple[Array, Integers]:
@@ -738,6 +753,18 @@ def by_itself(structure: Structure, band: float, *, damping: Damping | None = No
     return _on_basis(structure, band, damping, free, basis, rows, frequency, moves, cog)
 
 
+def on_base(
+    structure: Structure, modes: Modes, band: float, cog: npt.ArrayLike, *, damping: Damping | None = None
+) -> ReducedStructure:
+    """`structure` on its moving base with the `modes` of its `damping` and all of its mesh; what effects at parts and places do
+    is, at any size, what they do to the whole structure."""
+    free = hold(structure)
+    rows = _displacement(structure, free, NOWHERE, None)
+    shapes = bent_far(structure, free, _loaded(structure, free, modes, free.load), modes.frequency, rows, band)
+    none, at = np.zeros((6, shapes.shape[1])), np.asarray(cog, dtype=np.float64)
+    return _on_basis(structure, band, damping, free, shapes, rows, modes.frequency, none, at, True)
+
+
 def _on_basis(
     structure: Structure,
     band: float,
@@ -748,20 +775,27 @@ def _on_basis(
     frequency: Array,
     moves: Array,
     cog: Array,
+    driven: bool = False,
     unresolved: Mapping[str, Array] | None = None,
 ) -> ReducedStructure:
-    """`structure` on the coordinates `basis` (f, k), first the modes of `frequency`; `moves` (6, k) as a rigid body."""
+    """`structure` on the coordinates `basis` (f, k), first the modes of `frequency`; `moves` (6, k) as a rigid body. The motions
+    of a base that is `driven` come before them."""
     used = damping or default_damping(structure)
     made = _on_shapes(structure, free, basis, rows, frequency, used, unresolved=unresolved)
-    strains = np.where(moves.any(axis=0), 0.0, 1.0)  # rounding beside a stiff joint strains rigid motions as a soft mode does
-    moved = free.expand(basis)
-    slopes = {name: one @ moved for name, one in gradients(structure, tuple(structure.places)).items()}
-    stiffness = made.stiffness * np.outer(strains, strains)
+    if driven:
+        moved = _motions(structure, free, basis)
+        made = _driven(structure, made, moved, cog=cog)
+    else:
+        strains = np.where(moves.any(axis=0), 0.0, 1.0)  # rounding beside a stiff joint strains rigid motions as a soft mode does
+        moved = free.expand(basis)
+        slopes = {name: one @ moved for name, one in gradients(structure, tuple(structure.places)).items()}
+        stiffness = made.stiffness * np.outer(strains, strains)
+        made = replace(made, stiffness=stiffness, cog=cog, rigid=moves, gradients=slopes)
     return ReducedStructure(
         structure=structure,
         damping=damping,
         band=band,
-        matrices=replace(made, stiffness=stiffness, cog=cog, rigid=moves, gradients=slopes),
+        matrices=made,
         frequency=frequency,
         losses=used.loss_factors,
         basis=moved,
@@ -857,6 +891,7 @@ class MountedArticle:
     ----------
     article : its name; empty for an FMD alone
     matrices : about its own origin and in its own axes; None where there is nothing
+    reduced : of which they are, where its mesh or its matrices are a user's own
     frequency : (m,) [Hz] of the coordinates behind the base that are modes; the others answer statically
     losses : loss factor by part of the structure; none where damping is given by mode
     assumed : whether nobody stated what it loses
@@ -869,6 +904,7 @@ class MountedArticle:
 
     article: str
     matrices: Matrices | None
+    reduced: ReducedStructure | None = None
     frequency: Array = field(default_factory=lambda: np.zeros(0))
     losses: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     assumed: bool = False
@@ -1035,11 +1071,14 @@ def _of_structure(
     recipe: _Recipe, structure: Structure, damping: Damping | None, places: Places, drawn: Article | None
 ) -> MountedArticle:
     used = damping or default_damping(structure)
-    modes = fixed_base(structure, recipe.modes, damping=used)
-    exactly, cog = bool(recipe.own), _inertia(recipe).cog
+    modes, cog = fixed_base(structure, recipe.modes, damping=used), _inertia(recipe).cog
+    reduced = on_base(structure, modes, recipe.band, cog, damping=damping) if recipe.own else None
     return MountedArticle(
         article=recipe.article,
-        matrices=of_structure(structure, modes, places, cog, damping=used, article=drawn, band=recipe.band, exactly=exactly),
+        matrices=of_structure(structure, modes, places, cog, damping=used, article=drawn, band=recipe.band)
+        if reduced is None
+        else reduced.matrices,
+        reduced=reduced,
         frequency=modes.frequency,
         losses=used.loss_factors,
         assumed=is_assumed(structure, damping),

@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Protocol, Self, runtime_checkable
+from typing import Protocol, Self, TypeVar, runtime_checkable
 
 import numpy as np
 
 from fem.damping import Damping, is_assumed
 from fem.structure import Sparse, Structure, place_rows, position_of
+from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import Point
@@ -51,25 +52,18 @@ class StructurePrediction(Prediction, Protocol):
 
 @runtime_checkable
 class OnNodes(StructurePrediction, Protocol):
-    """A prediction of a structure by itself, which says what anything attached to any node would do."""
-
-    @property
-    def structure(self) -> effects.Nuisances:
-        """What was tested, before any effect."""
-
-    @property
-    def responses(self) -> tuple[Point, ...]:
-        """Where it is read."""
+    """A prediction that says what anything attached to any node of its structure would do, where nodes are known."""
 
     def by(self, structure: effects.Nuisances) -> Self:
         """The same data by another model of the structure."""
 
-    def attached(self, offsets: Offsets, lines: Lines, rows: Array) -> AttachedResponse:
+    def attached(self, offsets: Offsets, lines: Lines, rows: Array, inputs: ComplexArray) -> AttachedResponse:
         """What a mass at places would change, to first order.
 
         Parameters
         ----------
         rows : (q, 3, k) what each coordinate of the structure moves the places along x, y, z
+        inputs : (r, m, i) of the runs at these lines, as they are known or estimated
         """
 
     def finite(self, offsets: Offsets, lines: Lines) -> Finite:
@@ -171,15 +165,17 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
     )
 
 
-def over(
-    tests: Sequence[StructurePrediction], reduced_anew: Callable[[ReducedStructure], ReducedStructure]
-) -> tuple[StructurePrediction, ...]:
+P = TypeVar("P", bound=StructurePrediction)
+
+
+def over(tests: Sequence[P], reduced_anew: Callable[[ReducedStructure], ReducedStructure]) -> tuple[P, ...]:
     """`tests` by the same models over other coordinates, as `reduced_anew` makes those of each structure."""
     made: dict[int, effects.Nuisances] = {}
-    found: list[StructurePrediction] = []
+    found: list[P] = []
     for one in tests:
-        if isinstance(one, OnNodes) and one.structure.reduced is not None:
-            of, known = one.structure, one.structure.reduced
+        of = one.structure if isinstance(one, OnNodes) else None
+        known = None if of is None else of.reduced
+        if isinstance(one, OnNodes) and of is not None and known is not None:
             found.append(one.by(made.get(id(of)) or made.setdefault(id(of), of.over(reduced_anew(known)))))
         else:
             found.append(one)

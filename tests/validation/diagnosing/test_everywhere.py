@@ -94,11 +94,13 @@ def test_one_solution_says_of_a_node_what_the_effect_there_does_to_first_order_a
 ) -> None:
     (test,) = study.tests
     assert isinstance(test, OnNodes)
+    assert test.structure is not None
     whole, lines = test.structure.reduced, np.arange(len(test.measured.frequency))
     assert whole is not None
     points, moved = whole.nodes()
     row = whole.basis[moved[np.argmin(np.linalg.norm(points - [0.09, 0.0, 0.24], axis=1))]]
-    attached, (slope, far) = test.attached({}, lines, row[None]), of_effect(study, test, text, size)
+    forces = np.ones((2, len(lines), 1), dtype=np.complex128)
+    attached, (slope, far) = test.attached({}, lines, row[None], forces), of_effect(study, test, text, size)
     spring = text.startswith("cable")
     found = attached.readings[..., 0, 2] * attached.spring[..., None] if spring else attached.readings[..., 0, :].sum(axis=-1)
     assert np.abs(found - slope[..., 0]).max() < 1e-2 * np.abs(slope).max()  # the node has no static answer of its own in `test`
@@ -131,11 +133,11 @@ def test_in_place_of_an_effect_its_own_node_brings_what_it_brought_and_a_size_is
     brought, own = base.fit.cost - there.fit.cost, there.effects[0].named.value
     (mesh,) = MeshSearch.in_place_of(ready, there, brought)
     node = int(np.argmin(np.linalg.norm(mesh.points - [0.24, 0.0, 0.24], axis=1)))
-    row = mesh.rows(np.array([node]))[0]
-    at = np.log2(own / float(mesh.plausible(row[None])["point-mass"][0]))
-    evidence, size = mesh.sized("point-mass", row, own, at + np.array([-0.7, 0.0, 0.6]), nearer=4)
+    there = mesh.at(np.array([node]))
+    at = np.log2(own / float(mesh.plausible(there)["point-mass"][0]))
+    evidence, size = mesh.sized("point-mass", there, own, at + np.array([-0.7, 0.0, 0.6]), nearer=4)
     assert (evidence, size) == (pytest.approx(brought, abs=6.0), pytest.approx(own, rel=0.01))
-    assert mesh.sized("point-mass", row, own, at + np.array([-0.7, 0.6]))[0] < evidence - 100
+    assert mesh.sized("point-mass", there, own, at + np.array([-0.7, 0.6]))[0] < evidence - 100
 
 
 def test_a_node_that_is_tried_bends_as_what_carries_a_large_mass_does(study, monkeypatch):

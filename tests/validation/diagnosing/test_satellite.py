@@ -19,6 +19,9 @@ import pytest
 from scipy.linalg import eigh
 
 from geometry.frames import Array
+from validation.effects.catalogue import Named
+from validation.model.model import Added
+from validation.study import Study
 
 E, G, RHO, GRAVITY = 70e9, 70e9 / 2.66, 2700.0, 9.81
 
@@ -115,7 +118,11 @@ def turned(arm: Array) -> Array:
 
 
 def answered(
-    rng: np.random.Generator, omega: Array, softer: Mapping[str, float], heavier: Mapping[str, float]
+    rng: np.random.Generator,
+    omega: Array,
+    softer: Mapping[str, float],
+    heavier: Mapping[str, float],
+    beside: Mapping[tuple[float, float, float], float],
 ) -> tuple[Array, dict[str, tuple[Array, Array]]]:
     """(n, 6, 6) dynamic mass about F, and of each pick-up on the article how it rides (6,) and what bends adds (n, 6)."""
     points, number, beams = meshed(6)
@@ -130,6 +137,9 @@ def answered(
     for name, (mass, moments) in BODIES.items():
         own = 6 * number[name] + np.arange(6)
         M[own, own] += [*3 * [mass + heavier.get(name, 0.0)], *moments]
+    for at, mass in beside.items():  # at the node that is nearest
+        own = 6 * int(np.argmin(np.linalg.norm(points - at, axis=1))) + np.arange(3)
+        M[own, own] += mass
     R = np.vstack([np.block([[np.eye(3), -turned(one - F)], [np.zeros((3, 3)), np.eye(3)]]) for one in points])
     free = np.arange(24, len(K))  # the feet are the first four points
     squares, shapes = eigh(K[np.ix_(free, free)], M[np.ix_(free, free)], subset_by_index=(0, 39))
@@ -151,7 +161,7 @@ def campaign(folder: Path, seed: int, *, stands: bool = True, wrong: Mapping[str
     plate = np.block([[PLATE_MASS * np.eye(3), -PLATE_MASS * c], [PLATE_MASS * c, np.diag(PLATE_MOMENTS) - PLATE_MASS * c @ c]])
     H, upon = np.broadcast_to(plate, (len(f), 6, 6)).astype(complex), dict[str, tuple[Array, Array]]()
     if stands:
-        bends, upon = answered(rng, omega, fault.get("softer", {}), fault.get("heavier", {}))
+        bends, upon = answered(rng, omega, *(fault.get(one, {}) for one in ("softer", "heavier", "beside")))
         H = H + bends
     channels: list[tuple[str, str, str, Sequence[float], int]] = [
         *((f"plate-z{k + 1}", "acceleration", "cover", (x, y, 0.04), 2) for k, (x, y) in enumerate(AROUND)),
@@ -250,6 +260,56 @@ def test_a_sound_satellite_comes_out_as_sound(study: Path, run: Callable[..., An
     """It was "unknown": an assumed loss counted as known, and modes of 50 Hz as certain."""
     answer = found(study, run, "sound", seed=2)
     assert answer["verdict"] == "nothing"
+
+
+MIDDLE = "@0.45,0,0.3"
+"""Of the right boom: a node, but neither a place with a name nor a sensor's."""
+
+OTHERS = {"joint-compliance:rotation": 2e-6, "cable:@0.75,0,0.3:x": 300.0, "force-gain:cell-z2": 0.05}
+
+
+def added(name: str, size: float) -> Added:
+    family, *targets = name.split(":")
+    return Added(named=Named(family=family, targets=tuple(targets), values={"": size}), fixed=True)
+
+
+@pytest.mark.parametrize("beside", [{}, OTHERS], ids=["alone", "with others"])
+@pytest.mark.parametrize(("name", "size"), [(f"point-mass:{MIDDLE}", 0.05), (f"cable:{MIDDLE}:z", 2e3)])
+def test_one_solution_says_of_a_node_what_is_read_with_an_effect_there_on_a_base_that_moves(
+    study: Path, beside: Mapping[str, float], name: str, size: float
+) -> None:
+    campaign(study / "sound", 2)
+    of = Study.open(study / "study.toml", [study / "sound"])
+    others = [added(*one) for one in beside.items()]
+    (known,), (ready,) = of.made, of.ready_at([MIDDLE]).made
+    assert known.structure is not None
+    assert known.structure.reduced is not None
+    lines, whole = np.arange(0, len(known.measured.frequency), 11), known.structure.reduced
+    points, moved = whole.nodes()
+    row = whole.basis[moved[np.argmin(np.linalg.norm(points - [0.45, 0.0, 0.3], axis=1))]]
+    driven = np.random.default_rng(0).standard_normal((6, len(lines), 6, 2)) @ [1, 1j]
+
+    def read(*more: Added) -> Array:
+        return np.asarray(ready.with_effects((*others, *more)).at({}, lines, derivatives=False).rows)
+
+    step, spring = 1e-4 * size, name.startswith("cable")
+    slope = np.einsum("ncj,rnj->rnc", (read(added(name, step)) - read()) / step, driven)
+    one = known.with_effects(others)
+    made = one.attached({}, lines, row[None], driven)
+    found = made.readings[..., 0, 2] * made.spring[..., None] if spring else made.readings[..., 0, :].sum(axis=-1)
+    assert np.abs(found - slope).max() < 3e-3 * np.abs(slope).max()  # the node has no static answer of its own in `known`
+    along = np.array([0.0, 0.0, 1.0])
+    far = one.finite({}, lines)(row)(*((0 * along, size * along) if spring else (np.full(3, size), 0 * along)))
+    whole_answer = read(added(name, size))
+    assert np.abs(far - whole_answer).max() < 1e-3 * np.abs(whole_answer - read()).max()
+
+
+@pytest.mark.proof  # some minutes
+def test_a_mass_where_nobody_has_named_anything_is_found_on_the_mesh(study: Path, run: Callable[..., Any]) -> None:
+    answer = found(study, run, "boom", seed=21, beside={(0.45, 0.0, 0.3): 0.06})
+    (one,) = answer["accepted"]
+    assert one["id"].startswith("point-mass:@")
+    assert one["value"] == pytest.approx(0.06, abs=0.004)
 
 
 @pytest.mark.proof  # two minutes
