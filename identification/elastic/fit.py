@@ -243,10 +243,11 @@ def refine(start: Array, layout: ElasticLayout, lines: Lines, *, iterations: int
     at, damping, rise = linearised(start, layout, lines), 1e-3, 2.0
     for _ in range(iterations):
         trial, predicted = at._step(damping, lines)
-        left = np.concatenate([weighted(leftover(trial, layout, lines), lines), _prior(trial, layout, lines)[0]])
+        there = evaluated(trial, layout, lines)
+        left = np.concatenate([weighted(there[1], lines), _prior(trial, layout, lines)[0]])
         gained = at.cost - float(left @ left)
         if gained > 0 and predicted > 0:
-            at, rise = linearised(trial, layout, lines), 2.0
+            at, rise = linearised(trial, layout, lines, there), 2.0
             damping *= max(0.1, 1 - (2 * gained / predicted - 1) ** 3)
         else:
             damping, rise = damping * rise, 2 * rise
@@ -257,9 +258,14 @@ def refine(start: Array, layout: ElasticLayout, lines: Lines, *, iterations: int
 
 def leftover(x: Array, layout: ElasticLayout, lines: Lines) -> ComplexArray:
     """Fitted less measured (n, 21), in the units of H."""
+    return evaluated(x, layout, lines)[1]
+
+
+def evaluated(x: Array, layout: ElasticLayout, lines: Lines) -> tuple[ComplexArray, ComplexArray]:
+    """What the modes answer (n, m, 6), and fitted less measured (n, 21), in the units of H."""
     _, terms = model.unpack(x, layout)
-    mass = np.tensordot(x[:10], model.inertia_basis(), axes=1)
-    return np.asarray(model.dynamic_mass(mass, terms, lines.frequency)[:, UPPER[0], UPPER[1]] - lines.values)
+    X, mass = model.answers(terms, lines.frequency), np.tensordot(x[:10], model.inertia_basis(), axes=1)
+    return X, np.asarray(model.dynamic_mass(mass, terms, lines.frequency, X)[:, UPPER[0], UPPER[1]] - lines.values)
 
 
 def weighted(values: ComplexArray, lines: Lines) -> Array:
@@ -284,11 +290,11 @@ def limits(layout: ElasticLayout, lines: Lines) -> tuple[Array, Array]:
     )
 
 
-def linearised(x: Array, layout: ElasticLayout, lines: Lines) -> Refined:
-    """Cost and derivatives at the vector `x` (k,), which nothing moves."""
-    _, terms = model.unpack(x, layout)
-    common, answer = model.parts(terms, lines.frequency, layout)
-    left, weight, m, d = leftover(x, layout, lines), np.sqrt(2) / lines.deviation.T, layout.modes, len(common)
+def linearised(x: Array, layout: ElasticLayout, lines: Lines, known: tuple[ComplexArray, ComplexArray] | None = None) -> Refined:
+    """Cost and derivatives at the vector `x` (k,), which nothing moves; `known` is what was `evaluated` there."""
+    X, left = known or evaluated(x, layout, lines)
+    common, answer = model.parts(model.unpack(x, layout)[1], lines.frequency, layout, X)
+    weight, m, d = np.sqrt(2) / lines.deviation.T, layout.modes, len(common)
     # What moves all entries, and what is left, by entry; then entry by entry the few that move some
     D = np.concatenate([common * weight, (left.T * weight)[None]]).view(np.float64)  # (d + 1, 21, 2 n)
     whole = D.reshape(d + 1, -1) @ D.reshape(d + 1, -1).T

@@ -127,10 +127,13 @@ def layout_of(terms: ElasticTerms, *, widths: float | None = None) -> ElasticLay
     return ElasticLayout(modes=len(f), pairs=pairs)
 
 
-def dynamic_mass(mass_matrix: npt.ArrayLike, terms: ElasticTerms, frequency: npt.ArrayLike) -> ComplexArray:
-    """H (n, 6, 6) about the reference point of `mass_matrix` (6, 6) and `terms`, at `frequency` (n,) [Hz]."""
+def dynamic_mass(
+    mass_matrix: npt.ArrayLike, terms: ElasticTerms, frequency: npt.ArrayLike, answered: ComplexArray | None = None
+) -> ComplexArray:
+    """H (n, 6, 6) about the reference point of `mass_matrix` (6, 6) and `terms`, at `frequency` (n,) [Hz]; `answered` are the
+    `answers` there, where they are known."""
     w2 = _squares(frequency)
-    X = _answers(terms, frequency)
+    X = answers(terms, frequency) if answered is None else answered
     return np.asarray(mass_matrix, dtype=np.complex128) + w2 * (terms.participation.T @ X + terms.residual)
 
 
@@ -158,13 +161,15 @@ def upper_derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: Ela
     return out
 
 
-def parts(terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLayout) -> tuple[ComplexArray, ComplexArray]:
+def parts(
+    terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLayout, answered: ComplexArray | None = None
+) -> tuple[ComplexArray, ComplexArray]:
     """Of the same those (d, 21, n) that move all entries - inertia, ln f, ln zeta, rho - and omega² X (m, 6, n).
 
-    What a participation L_ri moves are row and column i alone, by omega² X_r.
+    What a participation L_ri moves are row and column i alone, by omega² X_r; `answered` as of `dynamic_mass`.
     """
     blocks, w2 = layout.blocks, _squares(frequency)[:, 0, 0]
-    X = np.ascontiguousarray(_answers(terms, frequency).transpose(1, 2, 0))
+    X = np.ascontiguousarray((answers(terms, frequency) if answered is None else answered).transpose(1, 2, 0))
     out = np.empty((blocks["pairs"].stop, 21, len(w2)), dtype=np.complex128)
     out[blocks["inertia"]] = inertia_basis()[:, UPPER[0], UPPER[1], None]
     # ln f, through stiffness and through the damping 2 zeta omega that ln zeta shares, ln zeta and rho
@@ -246,7 +251,7 @@ def _squares(frequency: npt.ArrayLike) -> Array:
     return (2 * np.pi * np.atleast_1d(np.asarray(frequency, dtype=np.float64))[:, None, None]) ** 2
 
 
-def _answers(terms: ElasticTerms, frequency: npt.ArrayLike) -> ComplexArray:
+def answers(terms: ElasticTerms, frequency: npt.ArrayLike) -> ComplexArray:
     """X = D^-1 L (n, m, 6)."""
     w = 2 * np.pi * np.atleast_1d(np.asarray(frequency, dtype=np.float64))[:, None]
     squares, C, L = (2 * np.pi * terms.frequency) ** 2, terms.damping, terms.participation

@@ -21,7 +21,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from uncertainties import umath
 
 from geometry.toml_file import exact, tagged
 from validation.classical.files import HEAD, Fields, Reduction
@@ -193,6 +192,8 @@ def cog_height(
     inclination : of the axis, top end up [rad]
     rope_offset, support_offset : heights above the line through the CoG along the axis [m]
     """
+    from uncertainties import umath
+
     tilt = umath.tan(inclination)
     lever = support - rope - (support_offset - rope_offset) * tilt
     return rope - rope_offset * tilt + reading / mass * lever
