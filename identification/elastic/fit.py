@@ -256,16 +256,11 @@ def refine(start: Array, layout: ElasticLayout, lines: Lines, *, iterations: int
     return at
 
 
-def leftover(x: Array, layout: ElasticLayout, lines: Lines) -> ComplexArray:
-    """Fitted less measured (n, 21), in the units of H."""
-    return evaluated(x, layout, lines)[1]
-
-
 def evaluated(x: Array, layout: ElasticLayout, lines: Lines) -> tuple[ComplexArray, ComplexArray]:
     """What the modes answer (n, m, 6), and fitted less measured (n, 21), in the units of H."""
     _, terms = model.unpack(x, layout)
     X, mass = model.answers(terms, lines.frequency), np.tensordot(x[:10], model.inertia_basis(), axes=1)
-    return X, np.asarray(model.dynamic_mass(mass, terms, lines.frequency, X)[:, UPPER[0], UPPER[1]] - lines.values)
+    return X, np.asarray(model.by_answers(mass, terms, lines.frequency, X)[:, UPPER[0], UPPER[1]] - lines.values)
 
 
 def weighted(values: ComplexArray, lines: Lines) -> Array:
@@ -408,7 +403,7 @@ def _shortlist(at: Refined, lines: Lines) -> tuple[Array, Array]:
     beyond = np.concatenate([np.geomspace(BEYOND[0] * low, 0.97 * low, 6), np.geomspace(1.03 * high, BEYOND[1] * high, 10)])
     f = np.concatenate([np.repeat(inside, len(TRIAL_DAMPING)), beyond])
     zeta = np.concatenate([np.tile(TRIAL_DAMPING, len(inside)), np.full(len(beyond), TRIAL_DAMPING[1])])
-    left = -leftover(at.vector, at.layout, lines)
+    left = -evaluated(at.vector, at.layout, lines)[1]
     # Amplitudes (g, 21) of the poles' curves and the weight (g, 21) of each: chi² falls by amplitude² x weight
     w = 2 * np.pi * lines.frequency
     curve = _curves(w, f, zeta)
@@ -705,7 +700,7 @@ def _result(found: Refined, history: list[Refined], reason: str, data: Lines, th
     misfit = final.chi2 / max(data.count - layout.size, 1)
     said = linearised(final.vector, layout, thin)
     information = said.information / price_of([said], thin).unit
-    deviations = np.abs(full(leftover(final.vector, layout, data) / data.deviation))
+    deviations = np.abs(full(evaluated(final.vector, layout, data)[1] / data.deviation))
     asymmetry, number = data.asymmetry
     return Fitted(
         parameters=parameters,

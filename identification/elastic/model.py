@@ -127,14 +127,14 @@ def layout_of(terms: ElasticTerms, *, widths: float | None = None) -> ElasticLay
     return ElasticLayout(modes=len(f), pairs=pairs)
 
 
-def dynamic_mass(
-    mass_matrix: npt.ArrayLike, terms: ElasticTerms, frequency: npt.ArrayLike, answered: ComplexArray | None = None
-) -> ComplexArray:
-    """H (n, 6, 6) about the reference point of `mass_matrix` (6, 6) and `terms`, at `frequency` (n,) [Hz]; `answered` are the
-    `answers` there, where they are known."""
-    w2 = _squares(frequency)
-    X = answers(terms, frequency) if answered is None else answered
-    return np.asarray(mass_matrix, dtype=np.complex128) + w2 * (terms.participation.T @ X + terms.residual)
+def dynamic_mass(mass_matrix: npt.ArrayLike, terms: ElasticTerms, frequency: npt.ArrayLike) -> ComplexArray:
+    """H (n, 6, 6) about the reference point of `mass_matrix` (6, 6) and `terms`, at `frequency` (n,) [Hz]."""
+    return by_answers(mass_matrix, terms, frequency, answers(terms, frequency))
+
+
+def by_answers(mass_matrix: npt.ArrayLike, terms: ElasticTerms, frequency: npt.ArrayLike, X: ComplexArray) -> ComplexArray:
+    """The same where the `answers` X (n, m, 6) are known."""
+    return np.asarray(mass_matrix, dtype=np.complex128) + _squares(frequency) * (terms.participation.T @ X + terms.residual)
 
 
 def derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLayout | None = None) -> ComplexArray:
@@ -148,7 +148,7 @@ def derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLa
 
 def upper_derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLayout) -> ComplexArray:
     """The same (k, n, 21) for the entries in `UPPER`, all that a symmetric matrix has."""
-    blocks, (common, answer) = layout.blocks, parts(terms, frequency, layout)
+    blocks, (common, answer) = layout.blocks, parts(terms, frequency, layout, answers(terms, frequency))
     out = np.zeros((layout.size, common.shape[2], 21), dtype=np.complex128)
     out[: len(common)] = common.transpose(0, 2, 1)
     if layout.residual:
@@ -162,14 +162,14 @@ def upper_derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: Ela
 
 
 def parts(
-    terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLayout, answered: ComplexArray | None = None
+    terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLayout, answered: ComplexArray
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Of the same those (d, 21, n) that move all entries - inertia, ln f, ln zeta, rho - and omega² X (m, 6, n).
+    """Of the same those (d, 21, n) that move all entries - inertia, ln f, ln zeta, rho - and omega² X (m, 6, n), X as `answered`.
 
-    What a participation L_ri moves are row and column i alone, by omega² X_r; `answered` as of `dynamic_mass`.
+    What a participation L_ri moves are row and column i alone, by omega² X_r.
     """
     blocks, w2 = layout.blocks, _squares(frequency)[:, 0, 0]
-    X = np.ascontiguousarray((answers(terms, frequency) if answered is None else answered).transpose(1, 2, 0))
+    X = np.ascontiguousarray(answered.transpose(1, 2, 0))
     out = np.empty((blocks["pairs"].stop, 21, len(w2)), dtype=np.complex128)
     out[blocks["inertia"]] = inertia_basis()[:, UPPER[0], UPPER[1], None]
     # ln f, through stiffness and through the damping 2 zeta omega that ln zeta shares, ln zeta and rho

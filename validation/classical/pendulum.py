@@ -14,28 +14,24 @@ rotation and sway apart.
 Both hold for rope feet in one horizontal plane; its height does not matter. They fail when ropes are slanted or unequal.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 from numpy import pi
+from uncertainties import UFloat, umath, wrap
 
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.toml_file import quantity, tagged
 from validation.classical.files import HEAD, Fields, Reduction
 
-if TYPE_CHECKING:
-    from uncertainties import UFloat
-
-Value = TypeVar("Value", float, "UFloat")
+Value = TypeVar("Value", float, UFloat)
 """A plain number or one with a tolerance, all of one kind."""
 
 
@@ -220,7 +216,7 @@ class Terms:
     damping: UFloat | None = None
     rope_mass: UFloat | None = None
 
-    def without(self, name: str) -> Terms:
+    def without(self, name: str) -> "Terms":
         """The same with the term `name` of `TERMS` left out."""
         return replace(self, **{name.replace("-", "_"): None})
 
@@ -250,8 +246,6 @@ class RopeSwing:
         lengths = {"gravity": self.gravity, "s1": self.s1, "s2": self.s2, "length": self.length}
         total = rope_pendulum(mass=hanging, period=period, **lengths)
         if terms.amplitude is not None:
-            from uncertainties import wrap
-
             # The factor needs the inertia that it corrects: a fixed point, each step a thousand times closer than the last.
             epsilon, swung = self.s1 * self.s2 / self.length**2, total
             for _ in range(5):
@@ -273,8 +267,6 @@ class CompoundSwing:
         """Moment of inertia [kg m²] about the CoG, axis parallel to the pivot, with `terms` taken off the period."""
         period = _undamped(self.period, terms)
         if terms.amplitude is not None:
-            from uncertainties import wrap
-
             period = period / wrap(plane_amplitude_factor)(terms.amplitude)
         return compound_pendulum(mass=self.mass, gravity=self.gravity, arm=self.arm, period=period)
 
@@ -316,8 +308,6 @@ def plane_amplitude_factor(amplitude: float) -> float:
 
 
 def _undamped(period: UFloat, terms: Terms) -> UFloat:
-    from uncertainties import umath
-
     return period if terms.damping is None else period * umath.sqrt(1 - terms.damping**2)
 
 

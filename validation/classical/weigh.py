@@ -21,6 +21,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from uncertainties import umath
 
 from geometry.toml_file import exact, tagged
 from validation.classical.files import HEAD, Fields, Reduction
@@ -192,8 +193,6 @@ def cog_height(
     inclination : of the axis, top end up [rad]
     rope_offset, support_offset : heights above the line through the CoG along the axis [m]
     """
-    from uncertainties import umath
-
     tilt = umath.tan(inclination)
     lever = support - rope - (support_offset - rope_offset) * tilt
     return rope - rope_offset * tilt + reading / mass * lever

@@ -15,6 +15,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+from tomlkit.items import AoT
 
 from geometry import routes, toml_file
 from geometry.articles import NAMES, built_in, changes_of, dimension_files
@@ -594,8 +597,6 @@ def with_effect(text: str, added: Added, source: str = SOURCE) -> str:
         return _verified(text, [f"{text.rstrip()}\n\n{effect_text(added)}\n"], [*before.effects, added], source)
     place = ids.index(added.named.id)
     above, header, keys, behind = _parted(text, place, source)
-    import tomlkit
-
     # Value, sd and fixed replaced, their comments kept; what is new comes last
     table = tomlkit.parse(keys)
     says = ({"fixed": "false"} if "fixed" in table else {}) | entries(added)
@@ -640,10 +641,6 @@ def _read(text: str, source: str) -> Model:
 
 def _parted(text: str, place: int, source: str) -> tuple[str, str, str, str]:
     """`text` in four: what stands above the effect at `place`, its header, its keys, and what follows the last of them."""
-    import tomlkit
-    from tomlkit.exceptions import TOMLKitError
-    from tomlkit.items import AoT
-
     try:
         effects = tomlkit.parse(text).get("effect")
     except TOMLKitError:  # what it does not understand and Python does, cannot be changed by it either
