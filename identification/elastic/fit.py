@@ -106,7 +106,7 @@ def levels(H: ComplexArray) -> Array:
 
 def kept(lines: Lines, measured: ComplexArray | None = None) -> Integers:
     """Indices of lines that say something new: `LINES_APART`, or where an entry changed by `CHANGE` of its level."""
-    H = full(lines.values) if measured is None else measured
+    H = model.whole(lines.values) if measured is None else measured
     values = (H / levels(H))[:, UPPER[0], UPPER[1]]
     chosen = [0]
     for k in range(1, len(values)):
@@ -115,13 +115,6 @@ def kept(lines: Lines, measured: ComplexArray | None = None) -> Integers:
         if moved or lines.frequency[k] - lines.frequency[last] >= LINES_APART - 1e-9 or k == len(values) - 1:
             chosen.append(k)
     return np.array(chosen)
-
-
-def full(upper: ComplexArray) -> ComplexArray:
-    """(n, 6, 6) symmetric from (n, 21)."""
-    H = np.zeros((len(upper), 6, 6), dtype=np.complex128)
-    H[:, UPPER[0], UPPER[1]] = H[:, UPPER[1], UPPER[0]] = upper
-    return H
 
 
 def _refused(field: str, problem: str, remedy: str) -> BadInput:
@@ -700,7 +693,7 @@ def _result(found: Refined, history: list[Refined], reason: str, data: Lines, th
     misfit = final.chi2 / max(data.count - layout.size, 1)
     said = linearised(final.vector, layout, thin)
     information = said.information / price_of([said], thin).unit
-    deviations = np.abs(full(evaluated(final.vector, layout, data)[1] / data.deviation))
+    deviations = np.abs(model.whole(evaluated(final.vector, layout, data)[1] / data.deviation))
     asymmetry, number = data.asymmetry
     return Fitted(
         parameters=parameters,

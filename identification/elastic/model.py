@@ -142,8 +142,12 @@ def derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLa
 
     They do not depend on the ten inertia parameters, in which H is linear.
     """
-    upper = upper_derivatives(terms, frequency, layout or layout_of(terms))
-    return upper[:, :, _PLACE].reshape(*upper.shape[:2], 6, 6)
+    return whole(upper_derivatives(terms, frequency, layout or layout_of(terms)))
+
+
+def whole(upper: ComplexArray) -> ComplexArray:
+    """Symmetric (..., 6, 6) from its entries (..., 21) in `UPPER`."""
+    return upper[..., _PLACE].reshape(*upper.shape[:-1], 6, 6)
 
 
 def upper_derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLayout) -> ComplexArray:

@@ -346,12 +346,12 @@ def recording(plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun) -> Rec
     phasor = np.exp(2j * np.pi * frequency * time)
     held = {order: share if order * frequency < plan.rate / 2 else 0.0 for order, share in HARMONICS.items()}
     waves = np.array([share * phasor**order for order, share in held.items()])
-    samples = np.array(values, order="F")
+    phases = np.exp(1j * hum.uniform(0.0, 2 * np.pi, (len(names), len(HARMONICS))))
+    mains = np.array([lab.chain.mains.get(name, 0.0) for name in names])
+    samples = np.asarray(values.T + (mains[:, None] * phases @ waves).imag).T
     for k, name in enumerate(names):
-        phases = np.exp(1j * hum.uniform(0.0, 2 * np.pi, len(HARMONICS)))
         if rms := lab.chain.noise_rms.get(name, 0.0):
             samples[:, k] += rms * stream(plan.seed, "noise", plan.article, run.name, name).standard_normal(len(time))
-        samples[:, k] += lab.chain.mains.get(name, 0.0) * (phases @ waves).imag
     got = sensed(plan, lab, run, samples, plan.rate)
     for effect in plan.effects:
         got = effect.record(got)
