@@ -123,10 +123,10 @@ def modal_matrices(damping: Damping, structure: Structure, omega: Array, shapes:
     """
     C = damping_per_mode(damping, omega)
     if damping.viscous is not None:
-        C = C + _symmetric(shapes.T @ (viscous_matrix(damping, structure) @ shapes))
+        C = C + symmetric(shapes.T @ (viscous_matrix(damping, structure) @ shapes))
     S = np.zeros_like(C)
     for K in _lossy(damping, structure):
-        S = S + _symmetric(shapes.T @ (K @ shapes))
+        S = S + symmetric(shapes.T @ (K @ shapes))
     _require_losses(C, np.sqrt(omega), "viscous")
     _require_losses(S, omega, "structural")
     ratio = equivalent_ratio(C, S, omega)
@@ -210,7 +210,8 @@ def _require_losses(matrix: Array, scale: Array, name: str) -> None:
         )
 
 
-def _symmetric(matrix: Array) -> Array:
+def symmetric(matrix: Array) -> Array:
+    """The symmetric part of `matrix` (n, n)."""
     return np.asarray((matrix + matrix.T) / 2)
 
 

@@ -201,7 +201,7 @@ def sensitivity(spectra: Spectra, found: Setup, chain: Chain) -> Sensitivity:
 def _gain(found: Setup, frequency: Array, deviation: Array) -> ComplexArray:
     """(10, n, 6, 6) complex: d ten = Re sum gain * dH of the weighted fit at its end."""
     layout = found.fitted.layout
-    dH = model.derivatives(found.terms, frequency, layout)[:, :, UPPER[0], UPPER[1]]
+    dH = model.upper_derivatives(found.terms, frequency, layout)
     J = (dH * np.sqrt(2) / deviation).reshape(len(dH), -1)
     covariance = inverse((J @ J.conj().T).real)
     scale = model.pack(np.ones(10), type(found.terms)(), model.ElasticLayout(modes=0))[:10]

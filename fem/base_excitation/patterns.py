@@ -322,7 +322,8 @@ def sampled(
         problem = f"the record would have {samples:.3g} samples, more than {MOST_SAMPLES:.3g}"
         raise BadInput(source=pattern.label, problem=problem, remedy="Sweep faster, shorten the record or sample slower")
     clock = Clock(sampling_rate=sampling_rate, count=ceil(samples - 1e-6) + 1)
-    displacement, velocity, acceleration = at(pattern, clock, cross).transpose(0, 2, 1)
+    signals, to = driven_by(pattern, clock, cross)
+    displacement, velocity, acceleration = (to @ signals).transpose(0, 2, 1)
     return BaseMotion(
         sampling_rate=sampling_rate,
         displacement=displacement,
@@ -334,15 +335,15 @@ def sampled(
     )
 
 
-def at(pattern: Pattern, clock: Clock, cross: CrossMotion | None = None) -> Array:
-    """Displacement, velocity and acceleration of the table at the instants of `clock`: (3, 6, n)."""
+def driven_by(pattern: Pattern, clock: Clock, cross: CrossMotion | None = None) -> tuple[Array, Array]:
+    """Displacement, velocity, acceleration (3, a, n) of every axis that is driven at the instants of `clock`, and with `cross` a
+    delay later; and (6, a) how far each axis of the table follows."""
     passed = [(pattern.signals(clock), cross.at_once if cross else np.eye(6))]
     if cross:
         passed.append((pattern.signals(replace(clock, late=clock.late + cross.delay)), cross.delayed))
-    # From their axes (columns) to all (rows)
-    columns = np.stack([to[:, MOTIONS.index(axis)] for signals, to in passed for axis in signals], axis=1)
     jets = [jet for signals, _ in passed for jet in signals.values()]
-    return np.stack([columns @ np.stack([getattr(jet, order) for jet in jets]) for order in ("value", "first", "second")])
+    columns = np.stack([to[:, MOTIONS.index(axis)] for signals, to in passed for axis in signals], axis=1)
+    return np.array([[getattr(jet, order) for jet in jets] for order in ("value", "first", "second")]), columns
 
 
 def require_below_nyquist(pattern: Pattern, sampling_rate: float) -> None:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from numpy.lib.stride_tricks import sliding_window_view
 
 from fem.base_excitation.first_order_hold import Progress, States, answer, carried, poles, solver, states, stepped, straightened
-from fem.base_excitation.patterns import BaseMotion, Clock, CrossMotion, Pattern, at, require_below_nyquist
+from fem.base_excitation.patterns import BaseMotion, Clock, CrossMotion, Pattern, driven_by, require_below_nyquist
 from fem.base_excitation.rig import TABLE, FlexibleBody, Rig, RigStructure, matrices
 from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.errors import BadInput, CheckFailed
@@ -552,13 +552,15 @@ def _at_rest(pattern: Pattern, sampling_rate: float, cross: CrossMotion | None) 
     return int(np.ceil((pattern.driven + (cross.delay if cross else 0.0)) * sampling_rate))
 
 
-def _of_table(pattern: Pattern, sampling_rate: float, start: int, count: int, cross: CrossMotion | None) -> Array:
-    """(18, count) accelerations, velocities and displacements of the table, from the sample `start` on."""
+def _of_table(
+    pattern: Pattern, sampling_rate: float, start: int, count: int, cross: CrossMotion | None, few: int = TABLE
+) -> Array:
+    """(3 `few`, count) accelerations, velocities and displacements from the sample `start` on: of the table, or of the `few` that
+    drive it, see `driven_by`."""
     if start > _at_rest(pattern, sampling_rate, cross):
-        return np.zeros((3 * TABLE, count))
-    return at(pattern, Clock(sampling_rate=sampling_rate, count=count, late=-start / sampling_rate), cross)[::-1].reshape(
-        -1, count
-    )
+        return np.zeros((3 * few, count))
+    driven, to = driven_by(pattern, Clock(sampling_rate=sampling_rate, count=count, late=-start / sampling_rate), cross)
+    return np.asarray(driven if few < TABLE else to @ driven)[::-1].reshape(-1, count)
 
 
 def _resting(pattern: Pattern, rest: float) -> float:
@@ -764,15 +766,19 @@ def recorded(
     if modes is None:
         pieces = streamed(rig, pattern, sampling_rate, channels, cross=cross, quiet=quiet, share=share)
         return joined((piece.values for piece in pieces), factor, apart)
-    p, reach = system.B.shape[1], HALF * factor
-    used = [*range(p), *(p + np.flatnonzero(outputs.of_inputs[:, p:].any(axis=0)))]
+    # All axes follow the few signals that drive, one axis and its delay by cross motion: these are what is filtered and stepped
+    to = driven_by(pattern, Clock(sampling_rate=sampling_rate, count=1), cross)[1]
+    few, reach = min(to.shape[1], TABLE), HALF * factor
+    follows, p = np.kron(np.eye(3), to if few < TABLE else np.eye(TABLE)), system.B.shape[1] * few // TABLE
+    modes, of_inputs = replace(modes, drive=modes.drive @ follows[: system.B.shape[1], :p]), outputs.of_inputs @ follows
+    used = [*range(p), *(p + np.flatnonzero(of_inputs[:, p:].any(axis=0)))]
     # A row of `factor` samples begins `back` samples before its sample of the record, and all that is read there is seen from it
     delays = [_delayed(samples) for samples in apart]
     back = max(max(int(nodes[-1]) for nodes, _ in delays), 0)
     length = max(back - min(int(nodes[0]) for nodes, _ in delays), factor)
     ahead, m = stepped(modes, 1 / sampling_rate, len(used), length), len(modes.pole)
     of_modes = outputs.of_states @ modes.shape
-    shown = [_shown(of_modes, outputs.of_inputs[:, used], one, k) for k, one in enumerate(ahead)]
+    shown = [_shown(of_modes, of_inputs[:, used], one, k) for k, one in enumerate(ahead)]
     read = np.array([by @ [shown[back - k][TABLE + c] for k in nodes] for c, (nodes, by) in enumerate(delays)])
     loads, growth = np.stack([one[:TABLE] for one in shown[:factor]]), np.tile(ahead[factor][:, :m].diagonal(), 2)
     drive = slice(m, m + p * (length + 3))
@@ -786,7 +792,7 @@ def recorded(
     last, stop = _at_rest(pattern, sampling_rate, cross), 0
     while not stop or done * factor < stop + back:
         held[:, :-fresh] = held[:, fresh:].copy()
-        held[:, -fresh:] = _of_table(pattern, sampling_rate, begin, fresh, cross)[used]
+        held[:, -fresh:] = _of_table(pattern, sampling_rate, begin, fresh, cross, few)[used]
         begin, fresh = begin + fresh, rows * factor
         filtered = np.fft.irfft(np.fft.rfft(held, whole) * spectrum, whole)[:, 2 * reach : held.shape[1]]
         both = np.stack([held[:, reach:-reach], filtered])

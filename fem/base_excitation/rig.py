@@ -16,6 +16,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from fem.damping import symmetric
 from fem.modes import Modes
 from fem.reduction import Reduced, of_modes, static_shapes
 from fem.structure import Structure, hold
@@ -539,9 +540,9 @@ def matrices(rig: Rig) -> RigStructure:
     K[at, at] += stiffness
     C[at, at] += stiffness * (rig.flange.damping_time if rig.flange else 0.0)
     return RigStructure(
-        mass=_symmetric(M),
-        viscous=_symmetric(C),
-        stiffness=_symmetric(K),
+        mass=symmetric(M),
+        viscous=symmetric(C),
+        stiffness=symmetric(K),
         cover=cover,
         article=article,
         cells=cells,
@@ -572,7 +573,3 @@ def dynamic_mass(rig: Rig, frequency: npt.ArrayLike) -> DynamicMass:
 
 def _with(C: Array, K: Array, rows: Array, damping: Array, stiffness: Array) -> tuple[Array, Array]:
     return C + rows.T @ (damping[:, None] * rows), K + rows.T @ (stiffness[:, None] * rows)
-
-
-def _symmetric(matrix: Array) -> Array:
-    return np.asarray((matrix + matrix.T) / 2)

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from fem.beam import articles
 from fem.beam.articles import Joint
 from fem.beam.frame import Plan
-from fem.damping import DEFAULT_RATIO
+from fem.damping import DEFAULT_RATIO, symmetric
 from fem.exudyn.frame import build, lossy, refined
 from fem.exudyn.run import failed, finite, running
 from fem.modes import Condensed, Modes
@@ -198,14 +198,14 @@ def extrapolated(coarse: Linearised | None, fine: Linearised, lossy: Array, refe
         A[np.ix_(known, known)] = _richardson(turn.T @ (_squares(coarse)[:, None] * turn), own[np.ix_(known, known)])
         L[:, known] = _richardson(coarse.participation @ turn, L[:, known])
         static = _richardson(coarse.compliance(), static)
-    squares, V = np.linalg.eigh(_symmetric(A))
+    squares, V = np.linalg.eigh(symmetric(A))
     if squares.size and squares[0] <= 0:
         raise failed("solve on two meshes", "both lead to a negative squared frequency; the coarser one needs more elements")
     # Where extrapolation puts the modes: L (6, n), shapes (N, n), and their modal stiffness on the mesh of `fine` itself
     omega, shapes, L, own = np.sqrt(squares), fine.shapes[:, :count] @ V, L @ V, V.T @ own @ V
     moved = omega / np.sqrt(np.diag(own))
     S = np.outer(moved, moved) * (shapes.T @ lossy @ shapes)  # damping from the strain energy of the shapes
-    residual = _symmetric(static - (L / squares) @ L.T)
+    residual = symmetric(static - (L / squares) @ L.T)
     together = None
     if squares.size and lossy.any():
         # What the loss makes of stiffness, participation and residual, as `fem.modes` has it. The mesh's own couplings by loss
@@ -223,12 +223,12 @@ def extrapolated(coarse: Linearised | None, fine: Linearised, lossy: Array, refe
         frequency=omega / (2 * np.pi),
         damping_ratio=np.diag(S) / (2 * squares),
         participation=L,
-        rigid_mass=_symmetric(fine.rigid_mass),
+        rigid_mass=symmetric(fine.rigid_mass),
         residual=residual,
         reference_point=reference_point,
         shapes=np.zeros((0, len(squares))),
         viscous=np.zeros((len(squares), len(squares))),
-        structural=_symmetric(S),
+        structural=symmetric(S),
         condensed=together,
     )
 
@@ -263,10 +263,6 @@ def _norms(shapes: Array, M: Array) -> Array:
 
 def _richardson(coarse: Array, fine: Array) -> Array:
     return np.asarray(fine + (fine - coarse) / 3)
-
-
-def _symmetric(matrix: Array) -> Array:
-    return np.asarray((matrix + matrix.T) / 2)
 
 
 # Eigenfrequencies by exudyn, from native beams for the built-in articles.

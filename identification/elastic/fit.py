@@ -106,7 +106,7 @@ def levels(H: ComplexArray) -> Array:
 
 def kept(lines: Lines, measured: ComplexArray | None = None) -> Integers:
     """Indices of lines that say something new: `LINES_APART`, or where an entry changed by `CHANGE` of its level."""
-    H = full(lines.values) if measured is None else measured
+    H = model.whole(lines.values) if measured is None else measured
     values = (H / levels(H))[:, UPPER[0], UPPER[1]]
     chosen = [0]
     for k in range(1, len(values)):
@@ -115,13 +115,6 @@ def kept(lines: Lines, measured: ComplexArray | None = None) -> Integers:
         if moved or lines.frequency[k] - lines.frequency[last] >= LINES_APART - 1e-9 or k == len(values) - 1:
             chosen.append(k)
     return np.array(chosen)
-
-
-def full(upper: ComplexArray) -> ComplexArray:
-    """(n, 6, 6) symmetric from (n, 21)."""
-    H = np.zeros((len(upper), 6, 6), dtype=np.complex128)
-    H[:, UPPER[0], UPPER[1]] = H[:, UPPER[1], UPPER[0]] = upper
-    return H
 
 
 def _refused(field: str, problem: str, remedy: str) -> BadInput:
@@ -243,10 +236,11 @@ def refine(start: Array, layout: ElasticLayout, lines: Lines, *, iterations: int
     at, damping, rise = linearised(start, layout, lines), 1e-3, 2.0
     for _ in range(iterations):
         trial, predicted = at._step(damping, lines)
-        left = np.concatenate([weighted(leftover(trial, layout, lines), lines), _prior(trial, layout, lines)[0]])
+        there = evaluated(trial, layout, lines)
+        left = np.concatenate([weighted(there[1], lines), _prior(trial, layout, lines)[0]])
         gained = at.cost - float(left @ left)
         if gained > 0 and predicted > 0:
-            at, rise = linearised(trial, layout, lines), 2.0
+            at, rise = linearised(trial, layout, lines, there), 2.0
             damping *= max(0.1, 1 - (2 * gained / predicted - 1) ** 3)
         else:
             damping, rise = damping * rise, 2 * rise
@@ -255,11 +249,11 @@ def refine(start: Array, layout: ElasticLayout, lines: Lines, *, iterations: int
     return at
 
 
-def leftover(x: Array, layout: ElasticLayout, lines: Lines) -> ComplexArray:
-    """Fitted less measured (n, 21), in the units of H."""
+def evaluated(x: Array, layout: ElasticLayout, lines: Lines) -> tuple[ComplexArray, ComplexArray]:
+    """What the modes answer (n, m, 6), and fitted less measured (n, 21), in the units of H."""
     _, terms = model.unpack(x, layout)
-    mass = np.tensordot(x[:10], model.inertia_basis(), axes=1)
-    return np.asarray(model.dynamic_mass(mass, terms, lines.frequency)[:, UPPER[0], UPPER[1]] - lines.values)
+    X, mass = model.answers(terms, lines.frequency), np.tensordot(x[:10], model.inertia_basis(), axes=1)
+    return X, np.asarray(model.by_answers(mass, terms, lines.frequency, X)[:, UPPER[0], UPPER[1]] - lines.values)
 
 
 def weighted(values: ComplexArray, lines: Lines) -> Array:
@@ -284,11 +278,11 @@ def limits(layout: ElasticLayout, lines: Lines) -> tuple[Array, Array]:
     )
 
 
-def linearised(x: Array, layout: ElasticLayout, lines: Lines) -> Refined:
-    """Cost and derivatives at the vector `x` (k,), which nothing moves."""
-    _, terms = model.unpack(x, layout)
-    common, answer = model.parts(terms, lines.frequency, layout)
-    left, weight, m, d = leftover(x, layout, lines), np.sqrt(2) / lines.deviation.T, layout.modes, len(common)
+def linearised(x: Array, layout: ElasticLayout, lines: Lines, known: tuple[ComplexArray, ComplexArray] | None = None) -> Refined:
+    """Cost and derivatives at the vector `x` (k,), which nothing moves; `known` is what was `evaluated` there."""
+    X, left = known or evaluated(x, layout, lines)
+    common, answer = model.parts(model.unpack(x, layout)[1], lines.frequency, layout, X)
+    weight, m, d = np.sqrt(2) / lines.deviation.T, layout.modes, len(common)
     # What moves all entries, and what is left, by entry; then entry by entry the few that move some
     D = np.concatenate([common * weight, (left.T * weight)[None]]).view(np.float64)  # (d + 1, 21, 2 n)
     whole = D.reshape(d + 1, -1) @ D.reshape(d + 1, -1).T
@@ -402,7 +396,7 @@ def _shortlist(at: Refined, lines: Lines) -> tuple[Array, Array]:
     beyond = np.concatenate([np.geomspace(BEYOND[0] * low, 0.97 * low, 6), np.geomspace(1.03 * high, BEYOND[1] * high, 10)])
     f = np.concatenate([np.repeat(inside, len(TRIAL_DAMPING)), beyond])
     zeta = np.concatenate([np.tile(TRIAL_DAMPING, len(inside)), np.full(len(beyond), TRIAL_DAMPING[1])])
-    left = -leftover(at.vector, at.layout, lines)
+    left = -evaluated(at.vector, at.layout, lines)[1]
     # Amplitudes (g, 21) of the poles' curves and the weight (g, 21) of each: chi² falls by amplitude² x weight
     w = 2 * np.pi * lines.frequency
     curve = _curves(w, f, zeta)
@@ -699,7 +693,7 @@ def _result(found: Refined, history: list[Refined], reason: str, data: Lines, th
     misfit = final.chi2 / max(data.count - layout.size, 1)
     said = linearised(final.vector, layout, thin)
     information = said.information / price_of([said], thin).unit
-    deviations = np.abs(full(leftover(final.vector, layout, data) / data.deviation))
+    deviations = np.abs(model.whole(evaluated(final.vector, layout, data)[1] / data.deviation))
     asymmetry, number = data.asymmetry
     return Fitted(
         parameters=parameters,

@@ -129,9 +129,12 @@ def layout_of(terms: ElasticTerms, *, widths: float | None = None) -> ElasticLay
 
 def dynamic_mass(mass_matrix: npt.ArrayLike, terms: ElasticTerms, frequency: npt.ArrayLike) -> ComplexArray:
     """H (n, 6, 6) about the reference point of `mass_matrix` (6, 6) and `terms`, at `frequency` (n,) [Hz]."""
-    w2 = _squares(frequency)
-    X = _answers(terms, frequency)
-    return np.asarray(mass_matrix, dtype=np.complex128) + w2 * (terms.participation.T @ X + terms.residual)
+    return by_answers(mass_matrix, terms, frequency, answers(terms, frequency))
+
+
+def by_answers(mass_matrix: npt.ArrayLike, terms: ElasticTerms, frequency: npt.ArrayLike, X: ComplexArray) -> ComplexArray:
+    """The same where the `answers` X (n, m, 6) are known."""
+    return np.asarray(mass_matrix, dtype=np.complex128) + _squares(frequency) * (terms.participation.T @ X + terms.residual)
 
 
 def derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLayout | None = None) -> ComplexArray:
@@ -139,13 +142,17 @@ def derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLa
 
     They do not depend on the ten inertia parameters, in which H is linear.
     """
-    upper = upper_derivatives(terms, frequency, layout or layout_of(terms))
-    return upper[:, :, _PLACE].reshape(*upper.shape[:2], 6, 6)
+    return whole(upper_derivatives(terms, frequency, layout or layout_of(terms)))
+
+
+def whole(upper: ComplexArray) -> ComplexArray:
+    """Symmetric (..., 6, 6) from its entries (..., 21) in `UPPER`."""
+    return upper[..., _PLACE].reshape(*upper.shape[:-1], 6, 6)
 
 
 def upper_derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLayout) -> ComplexArray:
     """The same (k, n, 21) for the entries in `UPPER`, all that a symmetric matrix has."""
-    blocks, (common, answer) = layout.blocks, parts(terms, frequency, layout)
+    blocks, (common, answer) = layout.blocks, parts(terms, frequency, layout, answers(terms, frequency))
     out = np.zeros((layout.size, common.shape[2], 21), dtype=np.complex128)
     out[: len(common)] = common.transpose(0, 2, 1)
     if layout.residual:
@@ -158,13 +165,15 @@ def upper_derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: Ela
     return out
 
 
-def parts(terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLayout) -> tuple[ComplexArray, ComplexArray]:
-    """Of the same those (d, 21, n) that move all entries - inertia, ln f, ln zeta, rho - and omega² X (m, 6, n).
+def parts(
+    terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLayout, answered: ComplexArray
+) -> tuple[ComplexArray, ComplexArray]:
+    """Of the same those (d, 21, n) that move all entries - inertia, ln f, ln zeta, rho - and omega² X (m, 6, n), X as `answered`.
 
     What a participation L_ri moves are row and column i alone, by omega² X_r.
     """
     blocks, w2 = layout.blocks, _squares(frequency)[:, 0, 0]
-    X = np.ascontiguousarray(_answers(terms, frequency).transpose(1, 2, 0))
+    X = np.ascontiguousarray(answered.transpose(1, 2, 0))
     out = np.empty((blocks["pairs"].stop, 21, len(w2)), dtype=np.complex128)
     out[blocks["inertia"]] = inertia_basis()[:, UPPER[0], UPPER[1], None]
     # ln f, through stiffness and through the damping 2 zeta omega that ln zeta shares, ln zeta and rho
@@ -246,7 +255,7 @@ def _squares(frequency: npt.ArrayLike) -> Array:
     return (2 * np.pi * np.atleast_1d(np.asarray(frequency, dtype=np.float64))[:, None, None]) ** 2
 
 
-def _answers(terms: ElasticTerms, frequency: npt.ArrayLike) -> ComplexArray:
+def answers(terms: ElasticTerms, frequency: npt.ArrayLike) -> ComplexArray:
     """X = D^-1 L (n, m, 6)."""
     w = 2 * np.pi * np.atleast_1d(np.asarray(frequency, dtype=np.float64))[:, None]
     squares, C, L = (2 * np.pi * terms.frequency) ** 2, terms.damping, terms.participation

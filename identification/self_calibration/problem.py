@@ -191,11 +191,11 @@ class Structure:
         return model.dynamic_mass(mass, self.terms(layout, x), frequency)
 
     def derivatives(self, layout: Layout, x: Array, frequency: Array) -> ComplexArray:
-        """dH (k, n, 6, 6): by the ten in SI, then by the elastic terms."""
-        ten = np.broadcast_to(BASIS[:, None], (10, len(frequency), 6, 6)).astype(np.complex128)
+        """dH (k, n, 21) of the entries in `UPPER`: by the ten in SI, then by the elastic terms."""
+        ten = np.broadcast_to(BASIS[:, None, *model.UPPER], (10, len(frequency), 21)).astype(np.complex128)
         if self.elastic is None:
             return ten
-        return np.concatenate([ten, model.derivatives(self.terms(layout, x), frequency, self.elastic)[10:]])
+        return np.concatenate([ten, model.upper_derivatives(self.terms(layout, x), frequency, self.elastic)[10:]])
 
     def selection(self, layout: Layout) -> Array:
         """(k, len(layout)): how the ten and the elastic parameters follow from the joint vector."""
@@ -245,7 +245,7 @@ class Part:
         a0, a1 = self.chain.rows(theta, f)
         if not changes:
             return Rows(a0=a0, a1=a1, dynamic_mass=H)
-        structure = self.structure.derivatives(layout, x, f).transpose(1, 2, 3, 0)
+        structure = model.whole(self.structure.derivatives(layout, x, f)).transpose(1, 2, 3, 0)
         return Rows(a0=a0, a1=a1, dynamic_mass=H, chain=self.chain.derivatives(theta, f, H), structure=structure)
 
     def cost(self, layout: Layout, x: Array) -> float:
@@ -289,9 +289,8 @@ class NearPart:
 
     def normal(self, x: Array) -> Normal:
         """The same to second order."""
-        part, S, (i, j) = self.part, self.selection, model.UPPER
-        changes = part.structure.derivatives(self.layout, x, part.observed.frequency)[:, :, i, j]
-        own = self.about[2].normal(*self._away(x), np.ascontiguousarray(changes))
+        part, S = self.part, self.selection
+        own = self.about[2].normal(*self._away(x), part.structure.derivatives(self.layout, x, part.observed.frequency))
         return Normal(cost=own.cost, gradient=S.T @ own.gradient, matrix=S.T @ own.matrix @ S)
 
     def _away(self, x: Array) -> tuple[Array, ComplexArray]:

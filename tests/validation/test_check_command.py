@@ -2,6 +2,8 @@
 
 import json
 import shutil
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -44,6 +46,13 @@ def test_a_sound_campaign_ends_with_0_and_its_table_fits_a_page(run):
     assert (code, err) == (main.DONE, "")
     assert "nothing is wrong with it" in out
     assert max(map(len, out.splitlines())) <= 132
+
+
+def test_what_a_folder_holds_is_said_without_models(folder):
+    program = "import sys; from validation.cli.main import run; run(['check', 'own']); print(*sys.modules, file=sys.stderr)"
+    done = subprocess.run([sys.executable, "-c", program], cwd=folder.parent, capture_output=True, encoding="utf-8", check=True)
+    assert "nothing is wrong with it" in done.stdout
+    assert {name for name in done.stderr.split() if name.split(".")[0] in ("fem", "scipy") or "validation.model" in name} == set()
 
 
 def test_an_axis_that_no_run_drives_and_a_run_that_is_another_one_are_named(run, folder):

@@ -116,27 +116,28 @@ def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool, 
     Exit code 0 when nothing is wrong, 1 when the data can be used but there are warnings to read, 2 when they cannot be used as
     they are.
     """
-    from identification import test_file
     from validation.cli.main import BAD_INPUT, FAILED_CHECK
     from validation.identify.check import summary
-    from validation.model import model_file
     from validation.output import print_json, require_ending, shown, to_json
     from validation.report import campaign as answer
     from validation.report.document import page
-    from validation.study import tests_in
 
     if out is not None:
         require_ending(out, answer.FUNCTIONS, "what was measured", "out/H.unv")
     path, described = Path(campaign), campaign.lower().endswith(".toml")
-    tests = tests_in(path) if described or path.is_file() else None
-    if tests is not None:
-        if view:
-            raise BadInput(source="--view", problem="a test has no drawing of sensors", remedy="Leave it out")
-        answer.show_tests(campaign, tests, as_json=as_json, out=out)
-        if not described and not as_json:
-            tables = [model_file.test_table(test_file.table_of(one, path.name)) for one in tests]
-            click.echo("\n\n".join(("\nA model reads it by", *tables)))
-        return
+    if described or path.is_file():  # what a folder holds is said without models, half of what there is to import
+        from identification import test_file
+        from validation.model import model_file
+        from validation.study import tests_in
+
+        if (tests := tests_in(path)) is not None:
+            if view:
+                raise BadInput(source="--view", problem="a test has no drawing of sensors", remedy="Leave it out")
+            answer.show_tests(campaign, tests, as_json=as_json, out=out)
+            if not described and not as_json:
+                tables = [model_file.test_table(test_file.table_of(one, path.name)) for one in tests]
+                click.echo("\n\n".join(("\nA model reads it by", *tables)))
+            return
     with shown(f"reading {campaign}", quiet=as_json):
         found = summary(campaign)
     if found.campaign is None and len(found.problems) == 1:

@@ -336,7 +336,8 @@ class AnySize:
         """Slope, and how all data sets answer to a size that is `offset` away, both but for itself."""
         by_name = {one.measured.name: one for one in self.problem.predictions}
         there = {**self.offsets, self.told.name: self.offsets.get(self.told.name, 0.0) + offset}
-        told = [one.read(by_name[one.of.name].at(there, one.of.lines, derivatives=False).rows) for one in self.tests]
+        moved = [one for one in self.tests if any(of.name == self.told.name for of in by_name[one.of.name].parameters)]
+        told = [one.read(by_name[one.of.name].at(there, one.of.lines, derivatives=False).rows) for one in moved or self.tests]
         slope, swallowed = self.tests[0].slope, np.sum([one.swallowed for one in told], axis=0)
         for own in [one.root[one.names.index(self.told.name)] for one in self.tests if self.told.name in one.names][:1]:
             slope, swallowed = (each - own * float(own @ each) / float(own @ own) for each in (slope, swallowed))

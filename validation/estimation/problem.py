@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import sqrt
 from operator import attrgetter
 from types import MappingProxyType
@@ -324,6 +324,7 @@ STEEPEST = 0.3
 by tests/validation/engine/test_errors.py."""
 
 
+@lru_cache(maxsize=8)
 def chosen(measured: Measured, *, at_most: int = AT_MOST) -> Lines:
     """(m,) indices of at most `at_most` lines that fits use, the same whatever the model: parent and child stay comparable."""
     count = len(measured.frequency)
@@ -339,7 +340,9 @@ def chosen(measured: Measured, *, at_most: int = AT_MOST) -> Lines:
     share = 0.5 * even + 0.5 * (turned / turned.sum() if turned.sum() > 0 else even)
     along = np.concatenate([[0.0], np.cumsum(share)])
     wanted = np.linspace(0.0, along[-1], at_most)
-    return np.unique(np.round(np.interp(wanted, along, np.arange(count))).astype(np.int64))
+    found = np.unique(np.round(np.interp(wanted, along, np.arange(count))).astype(np.int64))
+    found.setflags(write=False)  # every problem of the same data asks, and gets the same array
+    return found
 
 
 # `Evaluation`: the four errors of a model on data, fitted and held out, and the fits behind them.

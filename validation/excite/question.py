@@ -285,7 +285,7 @@ def drive(
     ------
     BadInput : one of them is no such word, no number or out of its range; an axis is named twice, or beside all of them.
     """
-    _word("--pattern", pattern, PATTERNS)
+    toml_file.one_of(pattern, PATTERNS, source="--pattern", where="")
     low, high = band
     if not (np.isfinite(low) and np.isfinite(high) and 0 < low < high):
         problem = f"a band goes from above 0 Hz up to a higher frequency, found {low:g} to {high:g} Hz"
@@ -296,7 +296,7 @@ def drive(
     if seed < 0:
         raise BadInput(source="--seed", problem=f"must not be negative, found {seed}", remedy="Give a whole number from 0 on")
     for axis in axes:
-        _word("--axis", axis, MOTIONS)
+        toml_file.one_of(axis, MOTIONS, source="--axis", where="")
     if twice := next((axis for axis in axes if list(axes).count(axis) > 1), None):
         raise BadInput(source="--axis", problem=f"{twice} is named twice", remedy="Name each axis once")
     if every and axes:
@@ -344,13 +344,7 @@ def require_route(route: str | None) -> None:
     BadInput : it is none of `ROUTES`.
     """
     if route is not None:
-        _word("--route", route, ROUTES)
-
-
-def _word(option: str, word: str, known: Sequence[str]) -> None:
-    if word not in known:
-        remedy = toml_file.nearest(word, known) or "Choose one of them"
-        raise BadInput(source=option, problem=f"must be one of {', '.join(known)}, found {word!r}", remedy=remedy)
+        toml_file.one_of(route, ROUTES, source="--route", where="")
 
 
 def _within(option: str, value: float, low: float, high: float, remedy: str) -> None:

@@ -18,7 +18,7 @@ from scipy.sparse import csr_array
 
 from fem import damping as fem_damping
 from fem.base_excitation import rig
-from fem.damping import Damping, damping_per_mode, default_damping, is_assumed
+from fem.damping import Damping, damping_per_mode, default_damping, is_assumed, symmetric
 from fem.factorisers import Factor, factorise
 from fem.modes import Modes, fixed_base, floating_shift, lowest
 from fem.reduction import static_shapes
@@ -137,7 +137,7 @@ def _driven(
     mass = np.block([[T66.T @ structure.rigid_mass @ T66, L], [L.T, own.mass]])
     return Matrices(
         base=BASE,
-        mass=_symmetric(mass),
+        mass=symmetric(mass),
         stiffness=on_base(own.stiffness),
         viscous=on_base(own.viscous),
         structural=on_base(own.structural),
@@ -360,11 +360,7 @@ def _require_same(found: Array, stated: Array) -> None:
 
 
 def _congruent(matrix: Sparse, shapes: Array) -> Array:
-    return _symmetric(shapes.T @ (matrix @ shapes))
-
-
-def _symmetric(matrix: Array) -> Array:
-    return np.asarray((matrix + matrix.T) / 2)
+    return symmetric(shapes.T @ (matrix @ shapes))
 
 
 # A basis for effects of any size: static answers to what they pull, and to what the modes leave over once they have pulled.
@@ -577,7 +573,7 @@ def joint_springs(structure: Structure, name: str) -> tuple[Array, Array] | None
     one = own[side.ravel() == np.argmax(np.bincount(side.ravel()))]  # where the other is guided, it moves in fewer ways
     moved[one] = structure.rigid[one]
     loads = np.asarray(K @ moved)
-    whole = _symmetric(moved.T @ loads)
+    whole = symmetric(moved.T @ loads)
     turns = np.cross(np.eye(3)[:, None], np.eye(3)[None]).transpose(0, 2, 1)  # turns[i] @ u = e_i x u
     coupling = np.stack([-(whole[:3, :3] @ turn).ravel() for turn in turns], axis=1)
     size = np.abs(np.diag(whole)).max(initial=0.0)

@@ -252,16 +252,12 @@ def crosstalk(named: Named) -> ChainChange:
 
 def plane_offset(named: Named) -> ChainChange:
     """``M_y -= h F_x``, or ``M_x += h F_y``: moments of the cells that they do not measure."""
-    return lambda chain: replace(
-        chain, plane_offset=chain.plane_offset + named.value * _unit_of_channel(named.target, ("x", "y"))
-    )
+    return lambda chain: replace(chain, plane_offset=chain.plane_offset + named.value * _unit(named.target, ("x", "y")))
 
 
 def compliance(named: Named) -> ChainChange:
     """All cells give so many times as much."""
-    return lambda chain: replace(
-        chain, compliance=chain.compliance * (1 + (named.value - 1) * _unit_of_channel(named.target, COMPLIANT))
-    )
+    return lambda chain: replace(chain, compliance=chain.compliance * (1 + (named.value - 1) * _unit(named.target, COMPLIANT)))
 
 
 def cell_stiffness(named: Named) -> ChainChange:
@@ -272,12 +268,12 @@ def cell_stiffness(named: Named) -> ChainChange:
 
 def position(named: Named) -> ChainChange:
     """``d^T [G](p + dp)``"""
-    return lambda chain: chain.moved(named.target, named.value * _unit_of_channel(named.targets[1], AXES))
+    return lambda chain: chain.moved(named.target, named.value * _unit(named.targets[1], AXES))
 
 
 def misalignment(named: Named) -> ChainChange:
     """``(d + dd)^T [G]``, dd = v e x d: the pick-up is turned by v about the axis e."""
-    return lambda chain: chain.turned(named.target, named.value * _unit_of_channel(named.targets[1], AXES))
+    return lambda chain: chain.turned(named.target, named.value * _unit(named.targets[1], AXES))
 
 
 def gravity(named: Named) -> ChainChange:
@@ -310,10 +306,6 @@ def _each(chain: ChainTruth, names: tuple[str, ...], change: Callable[[ChainTrut
     for name in names:
         chain = change(chain, name)
     return chain
-
-
-def _unit_of_channel(word: str, words: tuple[str, ...]) -> np.ndarray:
-    return np.array([float(one == word) for one in words])
 
 
 # Effects on the way of a signal: an amplifier's corner, a plate that gives, a sensor at its limit, crossed plugs.

@@ -7,7 +7,7 @@ The chain is linear from the table to the recorder but for what an effect makes 
 
 import json
 import platform
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from hashlib import sha256
 from math import isfinite, nan
@@ -346,12 +346,12 @@ def recording(plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun) -> Rec
     phasor = np.exp(2j * np.pi * frequency * time)
     held = {order: share if order * frequency < plan.rate / 2 else 0.0 for order, share in HARMONICS.items()}
     waves = np.array([share * phasor**order for order, share in held.items()])
-    samples = np.array(values, order="F")
+    phases = np.exp(1j * hum.uniform(0.0, 2 * np.pi, (len(names), len(HARMONICS))))
+    mains = np.array([lab.chain.mains.get(name, 0.0) for name in names])
+    samples = np.asarray(values.T + (mains[:, None] * phases @ waves).imag).T
     for k, name in enumerate(names):
-        phases = np.exp(1j * hum.uniform(0.0, 2 * np.pi, len(HARMONICS)))
         if rms := lab.chain.noise_rms.get(name, 0.0):
             samples[:, k] += rms * stream(plan.seed, "noise", plan.article, run.name, name).standard_normal(len(time))
-        samples[:, k] += lab.chain.mains.get(name, 0.0) * (phases @ waves).imag
     got = sensed(plan, lab, run, samples, plan.rate)
     for effect in plan.effects:
         got = effect.record(got)
@@ -553,8 +553,8 @@ def question(
     if twice := next((article for article in articles if list(articles).count(article) > 1), None):
         remedy = "Name each once, or change --seed and --out"
         raise BadInput(source=f"article {twice}", problem="it is named twice", remedy=remedy)
-    _word("--model", model, planning.MODELS)
-    _word("--format", form, FORMATS)
+    toml_file.one_of(model, planning.MODELS, source="--model", where="")
+    toml_file.one_of(form, FORMATS, source="--format", where="")
     upon = [point.replace(":", "-") for point in responses]
     words = Vocabulary(places=built_in_places())
     named = parse_all(effects, replace(words, accelerometers=(*(words.accelerometers or ()), *upon)))
@@ -610,7 +610,7 @@ def question(
         for article in articles
     )
     if axis:
-        _word("--axis", axis, tuple(MOTIONS[:3]))
+        toml_file.one_of(axis, tuple(MOTIONS[:3]), source="--axis", where="")
         if pattern != SWEEP or not responses or not cross:
             wrong = "--pattern" if pattern != SWEEP else "--cross" if responses else "--response"
             problem = "a single-axis shaker sweeps, its base moves besides, and accelerometers on the article read it"
@@ -626,12 +626,6 @@ def question(
     require_reaching(named, plans)
     plans = tuple(replace(plan, effects=planted(reaching(named, plan))) for plan in plans)
     return SimulateOptions(plans=plans, effects=named, out=out, sealed=sealed, ending=f".{form}", units=_units(units))
-
-
-def _word(option: str, word: str, known: Collection[str]) -> None:
-    if word not in known:
-        remedy = toml_file.nearest(word, known) or "Choose one of them"
-        raise BadInput(source=option, problem=f"must be one of {', '.join(known)}, found {word!r}", remedy=remedy)
 
 
 def factor(option: str, text: str) -> float:
@@ -665,7 +659,7 @@ def _scaled(ordinary: Mapping[str, float], factor: float) -> dict[str, float]:
 
 
 def _pattern(pattern: str, runs: int | None) -> str:
-    _word("--pattern", pattern, PATTERNS)
+    toml_file.one_of(pattern, PATTERNS, source="--pattern", where="")
     known = PATTERNS[pattern]
     if runs is None:
         return next(iter(known.values()))

@@ -1,6 +1,6 @@
 """The exact recursion, block by block; how long a record must be, and how it is brought down to its rate."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation import first_order_hold, response, rig
 from fem.base_excitation import response as base_excitation_response
-from fem.base_excitation.patterns import BaseMotion, Sweep, drawn
+from fem.base_excitation.patterns import BaseMotion, Random, Sweep, drawn
 from fem.base_excitation.response import (
     PASS,
     RIPPLE,
@@ -29,6 +29,7 @@ from fem.base_excitation.response import (
     taps,
 )
 from fem.base_excitation.rig import FlexibleBody, Friction, LoadCell, Rig, RigStructure, Strut, rigid
+from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput, CheckFailed
 from geometry.inertia import Inertia
 
@@ -337,6 +338,23 @@ def test_a_record_is_what_is_streamed_filtered_and_brought_down(
     assert found.shape == expected.shape
     assert_allclose(found / np.abs(expected).max(axis=0), expected / np.abs(expected).max(axis=0), rtol=0, atol=1e-12)
     assert np.abs(expected[-1]).max() > 1e-6 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize(("axes", "few"), [("x", 2), ("xyz", 6), (MOTIONS, 6)])
+def test_a_record_filters_what_drives_and_not_every_axis_that_follows(
+    axes: Sequence[str], few: int, mounted: Mounted, clumod: Clumod, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One axis and its delay by cross motion, however many axes of the table they move; never more than the table has."""
+    rig, filtered = mounted(clumod("clumod-1")), []
+    pattern = Random(rms={axis: LEVELS[axis] for axis in axes}, duration=3.0)
+    how, late = {"cross": drawn(np.random.default_rng(0)), "share": 1e-2}, np.zeros(18)
+    pieces = list(base_excitation_response.streamed(rig, pattern, STREAMED_RATE, wanted, **how))
+    stepped = first_order_hold.stepped
+    monkeypatch.setattr(response, "stepped", lambda *asked: filtered.append(asked[2]) or stepped(*asked))
+    found = base_excitation_response.recorded(rig, pattern, STREAMED_RATE, wanted, 512.0, late, **how)
+    expected = joined((piece.values for piece in pieces), round(STREAMED_RATE / 512.0), late)
+    assert_allclose(found / np.abs(expected).max(axis=0), expected / np.abs(expected).max(axis=0), rtol=0, atol=1e-12)
+    assert filtered == [few]
 
 
 def test_a_record_of_modes_that_cannot_be_told_apart_is_streamed(

@@ -174,3 +174,18 @@ def test_what_priors_decide_is_no_parameter_of_the_data() -> None:
 def test_what_cannot_be_fitted_is_refused(asked: dict[str, object], said: str) -> None:
     with pytest.raises(BadInput, match=said):
         fit(CLUSTER, **asked)
+
+
+def test_a_step_solves_the_modes_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a trial is judged by is what it is linearised with."""
+    there = terms(3, coupled=True)
+    layout, start = model.layout_of(there), model.pack(PARAMETERS, there)
+    H = DynamicMass(frequency=SOME_LINES, matrix=model.dynamic_mass(mass(), there, SOME_LINES), reference_point=np.zeros(3))
+    lines = elastic_fit.lines_of(H, None, 0.002, None)
+    solved, trials, answers, step = [], [], model.answers, elastic_fit.Refined._step
+    monkeypatch.setattr(model, "answers", lambda *asked: solved.append(1) or answers(*asked))
+    monkeypatch.setattr(elastic_fit.Refined, "_step", lambda *asked: trials.append(1) or step(*asked))
+    found = refine(start + 0.002, layout, lines)
+    assert found.converged
+    assert found.chi2 < 1
+    assert len(solved) == 1 + len(trials) > 2

@@ -20,7 +20,7 @@ from validation.diagnose.diagnosis import Candidate, Screened, sized
 from validation.diagnose.search import CandidateFit, is_accepted
 from validation.effects.catalogue import parse
 from validation.effects.effect import Vocabulary, evidence_threshold
-from validation.estimation.problem import EFFECT, Parameter
+from validation.estimation.problem import EFFECT, Parameter, Predicted
 from validation.estimation.screening import POWER, ScoreTest
 from validation.model.model import Added
 from validation.prediction.modal_table import real_modes, seen
@@ -198,6 +198,29 @@ def with_effect(study: Study, text: str) -> Study:
         for one in study.tests
     ]
     return replace(study, tests=tuple(tests))
+
+
+def test_a_spring_is_asked_of_those_data_alone_that_it_reaches():
+    def refused(*_: object, **__: object) -> None:
+        raise AssertionError("what it does not reach reads as before")
+
+    def test_of(name: str) -> Any:
+        told = candidates.Answers(score=np.array(3.0), own=np.array(4.0), swallowed=np.array([0.6]))
+        return SimpleNamespace(of=SimpleNamespace(name=name, lines=None), names=(), slope=np.zeros(1), read=lambda rows: told)
+
+    def prediction(name: str, parameters: Sequence[str], at: Callable[..., Any]) -> Any:
+        return SimpleNamespace(
+            measured=SimpleNamespace(name=name), parameters=[SimpleNamespace(name=one) for one in parameters], at=at
+        )
+
+    reached = prediction("reached", ("gain", "cable:k"), lambda *_, **__: Predicted(rows=np.zeros((1, 1, 1))))
+    problem: Any = SimpleNamespace(predictions=(reached, prediction("beside", ("gain",), refused)))
+    told: Any = SimpleNamespace(name="cable:k")
+    one = candidates.AnySize(
+        told=told, parameter=told, problem=problem, offsets={}, tests=[test_of("reached"), test_of("beside")]
+    )
+    _, answers = one._read(1.0)
+    assert (float(answers.score), float(answers.own), answers.swallowed.tolist()) == (3.0, 4.0, [0.6])
 
 
 SATURATED = ("cable:d:x", "cable:d:y")

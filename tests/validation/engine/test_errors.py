@@ -148,6 +148,9 @@ def test_parameters_of_one_name_are_one_and_lines_are_thinned_by_the_data_alone_
     other = replace(toy, parameters=(*toy.parameters, lab.effect("offset", 1.0, start=3.0)))
     np.testing.assert_array_equal(Problem((other,)).thinned().lines["one"], Problem((toy,)).thinned().lines["one"])
     np.testing.assert_array_equal(chosen(lab.toy({}, lines=60).measured), np.arange(60))
+    assert Problem((toy,)).thinned().lines[toy.measured.name] is lines  # chosen once, whichever problem asks
+    with pytest.raises(ValueError, match="read-only"):
+        lines[0] = 1
     problem = Problem((lab.toy({}, lines=60), lab.toy({}, name="two", lines=59)))
     lines = problem.sparser(3).lines
     np.testing.assert_array_equal(lines["one"], np.arange(0, 60, 3))
