@@ -30,6 +30,7 @@ from validation.diagnose.candidates import DAMPING, OCCAM, PER_OCTAVE, SAME_DIRE
 from validation.diagnose.diagnosis import Candidate, FoundNode
 from validation.diagnose.search import (
     FEW,
+    FITS_OF_A_STEP,
     MOVES,
     SCREENING_ERROR,
     SCREENING_MARGIN,
@@ -66,12 +67,8 @@ AT_ONCE = 256
 tests/validation/diagnosing/test_everywhere.py."""
 
 SURVEYED = 128
-"""[count] of nodes, spread over the structure, at which frequency and damping of a resonator are looked up. Exercised by
-tests/validation/diagnosing/test_everywhere.py."""
-
-TRIED = 6
-"""[count] of nodes of a kind that are asked without the first order. Exercised by
-tests/validation/diagnosing/test_everywhere.py."""
+"""[count] of nodes, spread over the structure, at which frequency and damping of a resonator are looked up, and all else from
+afar. Exercised by tests/validation/diagnosing/test_everywhere.py."""
 
 PROMISING = 3.0
 """[nats] to first order that a kind must bring somewhere for that: 20 to 1. Exercised by
@@ -138,10 +135,10 @@ class NodeScores:
         return float(np.log(np.mean(np.exp(e - e.max()))) + e.max())
 
     def standing_out(self, kind: str) -> Integers:
-        """Up to `TRIED` nodes, the best first, each `APART` from those before it."""
+        """Up to `FITS_OF_A_STEP` nodes, the best first, each `APART` from those before it."""
         left, found = np.argsort(-self.evidence[kind], kind="stable"), list[int]()
         apart = APART * float(np.ptp(self.points, axis=0).max())
-        while len(left) and len(found) < TRIED:
+        while len(left) and len(found) < FITS_OF_A_STEP:
             found.append(int(left[0]))
             left = left[np.linalg.norm(self.points[left] - self.points[left[0]], axis=1) > apart]
         return np.array(found, dtype=np.int64)
@@ -210,6 +207,11 @@ class MeshSearch:
     def rows(self, nodes: slice | Integers) -> Array:
         """(q, 3, k) what each coordinate moves some `nodes` along x, y, z."""
         return at_freedoms(self.whole.basis, self.moved[nodes])
+
+    @property
+    def surveyed(self) -> Integers:
+        """Nodes all over the structure."""
+        return np.unique(np.linspace(0, len(self.points) - 1, SURVEYED).astype(np.int64))
 
     def scores(self) -> NodeScores:
         """Of every node."""
@@ -292,7 +294,7 @@ class MeshSearch:
 
     def resonances(self) -> tuple[tuple[float, float], ...]:
         """Frequencies [Hz] and damping ratios at which a resonator explains most at any of some nodes."""
-        some = self.rows(np.unique(np.linspace(0, len(self.points) - 1, SURVEYED).astype(np.int64)))
+        some = self.rows(self.surveyed)
         lined = [(of, one) for of, one in self.tests if has_lines(one)]
         low, high = band(of.of.frequency for of, _ in lined)
         every = np.geomspace(low, high, max(int(PER_OCTAVE * np.log2(high / low)), 2))
@@ -352,14 +354,16 @@ class MeshSearch:
             best = max([best, *((*one, node) for one, node in zip(told, asked.tolist(), strict=True))])
         return best[2], best[0], best[1]
 
-    def best_node(self, scores: NodeScores, kind: str) -> tuple[int, float, float]:
-        """The best node for `kind` that is reached from those that stand out, its evidence [nats] and size."""
+    def best_node(self, scores: NodeScores, kind: str, *, far: bool = False) -> tuple[int, float, float]:
+        """The best node for `kind` that is reached from those that stand out, its evidence [nats] and size; and from `surveyed`
+        ones where what is looked for may be `far`: no straight line leads there."""
         evidence, size = scores.evidence[kind], scores.size[kind]
         if kind == RESONATOR:
             best = int(np.argmax(evidence))
             return best, float(evidence[best]), float(size[best])
-        some = scores.standing_out(kind).tolist()
-        _, found, node = max((*self.sized(kind, self.rows(np.array([one]))[0], size[one]), one) for one in some)
+        asked = [(one, size[one]) for one in scores.standing_out(kind).tolist()]
+        asked += [(one, sign) for one in self.surveyed.tolist() for sign in (1.0, -1.0)[: 1 + (kind == MASS)]] if far else []
+        _, found, node = max((*self.sized(kind, self.rows(np.array([one]))[0], first), one) for one, first in asked)
         return self.nearby(kind, self.points[node], found)
 
     def twins(self, kind: str, named: Named) -> tuple[Named, ...]:
@@ -440,8 +444,8 @@ def _resonator(frequency: Array, own: float, ratio: float) -> ComplexArray:
     return np.asarray(spring / (spring - frequency**2))
 
 
-def found_nodes(candidate: Candidate) -> tuple[tuple[NodeScores, ...], tuple[FoundNode, ...]]:
-    """What the data say of all nodes beside the fit of `candidate`, and the best node of every kind that explains anything."""
+def found_nodes(candidate: Candidate, *, far: bool = False) -> tuple[tuple[NodeScores, ...], tuple[FoundNode, ...]]:
+    """What the data say of all nodes beside the fit of `candidate`, and of every kind that explains anything the best node."""
     every, found = [], []
     for search in MeshSearch.of(candidate):
         scores = search.scores()
@@ -451,7 +455,7 @@ def found_nodes(candidate: Candidate) -> tuple[tuple[NodeScores, ...], tuple[Fou
         for kind, evidence in scores.evidence.items():
             if evidence.max() < PROMISING:
                 continue
-            node, gain, size = search.best_node(scores, kind)
+            node, gain, size = search.best_node(scores, kind, far=far)
             (name, of_name), looked = search.best_name(kind), float(evidence.max()) - scores.somewhere(kind)
             point = scores.points[node]
             away = np.linalg.norm(at - point, axis=1)
@@ -472,7 +476,9 @@ def found_nodes(candidate: Candidate) -> tuple[tuple[NodeScores, ...], tuple[Fou
     return tuple(every), tuple(sorted(found, key=lambda one: -one.evidence))
 
 
-def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> tuple[FoundNode, ...]:
+def without_a_name(
+    data: Study, base: Candidate, nodes: Sequence[FoundNode], wanted: Callable[[Named], bool] = lambda named: True
+) -> tuple[FoundNode, ...]:
     """Of the kinds of `nodes` the places that are worth a fit although they have no name: they would explain what is worth a
     parameter, and what no place that has a name explains as well. As a fit of all tolerances left them, the best first.
 
@@ -485,9 +491,8 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
         return ()
     found, stood = dict[str, FoundNode](), dict[str, Candidate]()
     asked, tried = set[str](), list[CandidateFit]()
-    # All tolerances where they are declared, and what the data then say of them to first order
     at_home = replace(base, fit=_standing(base.problem, base.fit, base.problem.start))
-    declared = [one for one in found_nodes(at_home)[1] if _is_worth(one)]
+    declared = [one for one in found_nodes(at_home, far=True)[1] if wanted(one.named) and _is_worth(one)]
     # A resonator far above the band is a mass, and takes a fit of three sizes: it comes last, where it promises more than those
     both = [each for some in (seen, declared) for each in [one for one in some if one.kind != RESONATOR][:FEW]]
     for one in (*both, *(each for each in seen if each.kind == RESONATOR)):

@@ -283,8 +283,8 @@ def _nearest_by_lines(
 
 def _declared(problem: Problem, fit: Fit) -> dict[str, float]:
     """Offsets of tolerances as they are declared, and of the effects as `fit` found them."""
-    found = {one.name: fit.by_name[one.name] for one in fit.parameters if one.kind == EFFECT}
-    return {one.name: one.start for one in problem.parameters} | found
+    kept = (one.name for one in fit.parameters if one.kind == EFFECT)
+    return {one.name: one.start for one in problem.parameters} | {one: fit.by_name[one] for one in kept}
 
 
 SAME_NATS = 0.05
@@ -416,8 +416,7 @@ def worth(at: Candidate, tried: Sequence[CandidateFit]) -> float:
 
 
 def ranked(tried: Sequence[CandidateFit]) -> list[CandidateFit]:
-    """The best fit of each candidate, the most evidence first once what it cost to have looked is paid; of those that tie for
-    it the first by name, not by rounding."""
+    """The best fit of each candidate, the most evidence first once it has paid what was looked; ties by name, not by rounding."""
     by_id = {one.id: one for one in sorted(tried, key=lambda each: each.evidence)}
     paid = {id: one.evidence - one.looked for id, one in by_id.items()}
     best = max(by_id.values(), key=lambda one: paid[one.id], default=None)
@@ -579,7 +578,7 @@ MOST_EFFECTS = 3
 """[count] of effects that are looked for. Set by the development draws of `make blind`."""
 
 FITS_OF_A_STEP = 6
-"""[count] of candidates that are fitted in a step at most. Held by tests/validation/diagnosing/test_search.py."""
+"""[count] of candidates fitted, or nodes asked further, at most. Held by tests/validation/diagnosing/test_search.py."""
 
 FEW = 3
 """[count] of these of one kind at most: of a family, rough ones that are finished, from the priors, of rivals that no straight
@@ -651,10 +650,8 @@ def stepwise_search(
     at, again = base, True
     rounds: list[SearchStep] = []
     while len(at.effects) < MOST_EFFECTS and sum(not one.reconsidered for one in rounds) < 2 * MOST_EFFECTS:
-        if at is base and not base.fit.converged:
-            one = step_from_afar(data, at, menu, progress)
-        else:
-            one = _step(data, at, menu, progress, fitted if at is base else ())
+        afar, known = at is base and not base.fit.converged, fitted if at is base else ()
+        one = step_from_afar(data, at, menu, progress) if afar else _step(data, at, menu, progress, known)
         if (
             again
             and one.tried

@@ -373,8 +373,7 @@ LEFT_OUT = 1e-3
 """Share of the change that a pull makes, by energy, that may lie outside the basis."""
 
 FAR = (-0.6, 2.0)
-"""Relative changes of a density to which the basis is made. Held by
-tests/validation/prediction/test_any_structure.py."""
+"""Relative changes of a density to which the basis is made. Held by tests/validation/prediction/test_any_structure.py."""
 
 FAR_MODULUS = (-0.97, *FAR)
 """Those of a modulus, which may fall to next to nothing. Held by tests/validation/prediction/test_part_nearly_gone.py."""

@@ -287,9 +287,9 @@ def test_a_fitted_node_is_held_against_a_fitted_name_and_not_against_its_promise
     study = tabled(portal(tmp_path, 10), portal(tmp_path / "fine", 30), f"point-mass:{place}=0.03", sensors)
     base = candidates.baseline(study)
     best = next(one for one in found_nodes(base)[1] if one.kind == "point-mass")
-    far = replace(best, evidence=best.evidence + 1e4, named_evidence=best.evidence + 1e4 - 10.0, named_place="c")
-    monkeypatch.setattr(everywhere, "found_nodes", lambda of: ((), (far,)))
-    (found,) = without_a_name(study, base, [far])
+    close = replace(best, evidence=best.evidence + 1e4, named_evidence=best.evidence + 1e4 - 10.0, named_place="c")
+    monkeypatch.setattr(everywhere, "found_nodes", lambda of, far: ((), (close,)))
+    (found,) = without_a_name(study, base, [close])
     assert np.linalg.norm(np.array(position(found.named.target)) - HIDDEN) < 0.04
     assert 0 < found.named_evidence < found.evidence - 10.0
 
@@ -360,6 +360,23 @@ def test_what_tolerances_have_swallowed_is_seen_from_where_they_are_declared(stu
     null[0] = False
     best, *_ = without_a_name(study, base, ())
     assert np.linalg.norm(np.array(position(best.named.target)) - HIDDEN) < 0.03
+
+
+def test_from_afar_nodes_are_asked_where_a_straight_line_promises_nothing(study, monkeypatch):
+    """Of 79 g at a barrel's rim it promised nothing at its node, 0.66 million nats, and thousands at the foot."""
+    (mesh,) = MeshSearch.of(candidates.baseline(study))
+    own = int(np.argmin(np.linalg.norm(mesh.points - HIDDEN, axis=1)))
+    far_off = np.where(np.arange(len(mesh.points)) == 0, 10.0, 0.0)
+    scores = replace(mesh.scores(), evidence={"point-mass": far_off}, size={"point-mass": far_off - 20.0})
+
+    def sized(self, kind, row, first, octaves=(), *, nearer=0):
+        return (100.0 if first > 0 and np.array_equal(row, mesh.points[own]) else 1.0), np.sign(first)
+
+    monkeypatch.setattr(MeshSearch, "rows", lambda self, nodes: self.points[nodes])
+    monkeypatch.setattr(MeshSearch, "sized", sized)
+    monkeypatch.setattr(MeshSearch, "nearby", lambda self, kind, point, size: (point.tolist(), size))
+    assert mesh.best_node(scores, "point-mass") != (mesh.points[own].tolist(), 1.0)
+    assert mesh.best_node(scores, "point-mass", far=True) == (mesh.points[own].tolist(), 1.0)
 
 
 def test_what_an_effect_brings_beside_another_is_told_against_a_fit_that_was_not_given_up(portal, tmp_path):
