@@ -7,6 +7,7 @@ Order of work ("What bit" of the catalogue): discrete mistakes, two levels, a co
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from importlib.metadata import version
 from math import erfc, inf, sqrt
 
@@ -88,9 +89,8 @@ def diagnosed(
     known = tuple(Added(named=one.named, fixed=True) for one in mistaken)
     right = replace(of, model=replace(of.model, effects=(*of.model.effects, *known))) if known else of
     linear = [one for one in only if FAMILIES[one.partition(":")[0]].side != effect.AMPLITUDE]
-    menu = (
-        candidates.candidates(right, only=linear, leave_out=leave_out) if linear else ()
-    )  # refuses what could not act, before any fit
+    # Refuses what could not act, before any fit
+    menu = candidates.candidates(right, only=linear, leave_out=leave_out) if linear else ()
     if differing := differing_levels(right):
         found = nonlinear_answer(right, differing, tell, only=only, leave_out=leave_out)
     else:
@@ -100,9 +100,9 @@ def diagnosed(
         if right.tests:
             tell("looking everywhere on the mesh", 0.0)
         every, best = found_nodes(base)
-        fitted: tuple[diagnosis.FoundNode, ...] = ()
-        nodes = tuple(one for one in best if candidates.looked_for(one.named, only, leave_out))
-        if fitted := without_a_name(right, base, nodes):
+        wanted = partial(candidates.looked_for, only=only, leave_out=leave_out)
+        nodes = tuple(one for one in best if wanted(one.named))
+        if fitted := without_a_name(right, base, nodes, wanted):
             again = {one.kind for one in fitted}
             nodes = (*fitted, *(one for one in nodes if one.kind not in again))
             right = right.ready_at([one.named.target for one in fitted])

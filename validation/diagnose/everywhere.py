@@ -30,6 +30,8 @@ from validation.diagnose.candidates import DAMPING, OCCAM, PER_OCTAVE, SAME_DIRE
 from validation.diagnose.diagnosis import Candidate, FoundNode
 from validation.diagnose.search import (
     FEW,
+    FITS_OF_A_STEP,
+    MOVES,
     SCREENING_ERROR,
     SCREENING_MARGIN,
     CandidateFit,
@@ -38,6 +40,7 @@ from validation.diagnose.search import (
     candidate_fit,
     fit_in_place,
     fit_with,
+    goodness_of_fit,
     over,
     ranked,
     restarted_from_priors,
@@ -64,24 +67,15 @@ AT_ONCE = 64
 tests/validation/diagnosing/test_everywhere.py."""
 
 SURVEYED = 128
-"""[count] of nodes, spread over the structure, at which frequency and damping of a resonator are looked up. Exercised by
-tests/validation/diagnosing/test_everywhere.py."""
-
-TUNED = 3
-"""[count] of frequencies, the best of those, at which every node is asked. Exercised by
-tests/validation/diagnosing/test_everywhere.py."""
-
-TRIED = 6
-"""[count] of nodes of a kind that are asked without the first order. Exercised by
-tests/validation/diagnosing/test_everywhere.py."""
+"""[count] of nodes, spread over the structure, at which frequency and damping of a resonator are looked up, and all else from
+afar. Exercised by tests/validation/diagnosing/test_everywhere.py."""
 
 PROMISING = 3.0
 """[nats] to first order that a kind must bring somewhere for that: 20 to 1. Exercised by
 tests/validation/diagnosing/test_everywhere.py."""
 
 OCTAVES = np.arange(-6.0, 4.0)
-"""[octave] Sizes at which they are asked, of what is plausible. Exercised by
-tests/validation/diagnosing/test_everywhere.py."""
+"""[octave] Sizes at which they are asked, of what is plausible. Exercised by tests/validation/diagnosing/test_everywhere.py."""
 
 NARROW = np.arange(-2.0, 2.5)
 """[octave] Sizes of a node beside one of which the size is known, of that size; nearer by half from step to step. Held by
@@ -99,20 +93,7 @@ STEPS = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02)
 tests/validation/diagnosing/test_everywhere.py."""
 
 AROUND = 32
-"""[count] of nodes that are asked there. Exercised by
-tests/validation/diagnosing/test_everywhere.py."""
-
-FITTED = 3
-"""[count] of kinds, the best first, that are worth a fit at a place without a name, from either tolerances. Exercised by
-tests/validation/diagnosing/test_everywhere.py."""
-
-ROUNDS = 4
-"""[count] of fits at a place at most, each at a node that was looked for again from where the one before ended. Held by
-tests/validation/diagnosing/test_everywhere.py."""
-
-NAMED = 3
-"""[count] of places with a name, the best to first order, that are asked likewise. Exercised by
-tests/validation/diagnosing/test_everywhere.py."""
+"""[count] of nodes that are asked there. Exercised by tests/validation/diagnosing/test_everywhere.py."""
 
 ASKED = 1024
 """[count] of nodes, spread over the structure, at which twins of one are looked for: the cost of one search about a node.
@@ -154,10 +135,10 @@ class NodeScores:
         return float(np.log(np.mean(np.exp(e - e.max()))) + e.max())
 
     def standing_out(self, kind: str) -> Integers:
-        """Up to `TRIED` nodes, the best first, each `APART` from those before it."""
+        """Up to `FITS_OF_A_STEP` nodes, the best first, each `APART` from those before it."""
         left, found = np.argsort(-self.evidence[kind], kind="stable"), list[int]()
         apart = APART * float(np.ptp(self.points, axis=0).max())
-        while len(left) and len(found) < TRIED:
+        while len(left) and len(found) < FITS_OF_A_STEP:
             found.append(int(left[0]))
             left = left[np.linalg.norm(self.points[left] - self.points[left[0]], axis=1) > apart]
         return np.array(found, dtype=np.int64)
@@ -232,6 +213,11 @@ class MeshSearch:
         """Some of its nodes."""
         moved = self.moved[nodes]
         return lambda of: np.zeros((0, 3, 0)) if of.reduced is None else at_freedoms(of.reduced.basis, moved)
+
+    @property
+    def surveyed(self) -> Integers:
+        """Nodes all over the structure."""
+        return np.unique(np.linspace(0, len(self.points) - 1, SURVEYED).astype(np.int64))
 
     def scores(self) -> NodeScores:
         """Of every node."""
@@ -314,7 +300,7 @@ class MeshSearch:
 
     def resonances(self) -> tuple[tuple[float, float], ...]:
         """Frequencies [Hz] and damping ratios at which a resonator explains most at any of some nodes."""
-        some = self.at(np.unique(np.linspace(0, len(self.points) - 1, SURVEYED).astype(np.int64)))
+        some = self.at(self.surveyed)
         lined = [(of, one) for of, one in self.tests if has_lines(one)]
         low, high = band(of.of.frequency for of, _ in lined)
         every = np.geomspace(low, high, max(int(PER_OCTAVE * np.log2(high / low)), 2))
@@ -327,7 +313,7 @@ class MeshSearch:
             answers.append(fit.following(products, courses, of.root))
         found = fit.gains(answers, lined[0][0].slope)
         best = np.where(found.size > 0, found.gain, 0.0).max(axis=1)
-        return tuple(places[k] for k in np.argsort(-best)[:TUNED])
+        return tuple(places[k] for k in np.argsort(-best)[:FEW])
 
     def sized(self, kind: str, where: Where, first: float, octaves: Array = OCTAVES, *, nearer: int = 0) -> tuple[float, float]:
         """Evidence [nats] and size of a mass or a spring at one place, without the first order.
@@ -374,33 +360,42 @@ class MeshSearch:
             best = max([best, *((*one, node) for one, node in zip(told, asked.tolist(), strict=True))])
         return best[2], best[0], best[1]
 
-    def best_node(self, scores: NodeScores, kind: str) -> tuple[int, float, float]:
-        """The best node for `kind` that is reached from those that stand out, its evidence [nats] and size."""
+    def best_node(self, scores: NodeScores, kind: str, *, far: bool = False) -> tuple[int, float, float]:
+        """The best node for `kind` that is reached from those that stand out, its evidence [nats] and size; and from `surveyed`
+        ones where what is looked for may be `far`: no straight line leads there."""
         evidence, size = scores.evidence[kind], scores.size[kind]
         if kind == RESONATOR:
             best = int(np.argmax(evidence))
             return best, float(evidence[best]), float(size[best])
-        some = scores.standing_out(kind).tolist()
-        _, found, node = max((*self.sized(kind, self.at(np.array([one])), size[one]), one) for one in some)
+        asked = [(one, size[one]) for one in scores.standing_out(kind).tolist()]
+        asked += [(one, sign) for one in self.surveyed.tolist() for sign in (1.0, -1.0)[: 1 + (kind == MASS)]] if far else []
+        _, found, node = max((*self.sized(kind, self.at(np.array([one])), first), one) for one, first in asked)
         return self.nearby(kind, self.points[node], found)
 
-    def twins(self, kind: str, named: Named) -> Array:
-        """(q, 3) [m] nodes where an effect may explain as much as `named` does: the tops of other hills of the evidence."""
+    def twins(self, kind: str, named: Named) -> tuple[Named, ...]:
+        """Effects at other nodes that may explain as much as `named` does: the tops of other hills of the evidence. What is too
+        heavy on one side of what is symmetric is as much too light on the other."""
         from scipy.spatial import cKDTree
 
         own = int(np.argmin(np.linalg.norm(self.points - np.array(position(named.target)), axis=1)))
         some = np.unique([own, *np.linspace(0, len(self.points) - 1, ASKED).astype(np.int64)])
         tree = cKDTree(self.points[some])
         octaves = np.log2(abs(named.value) / self.plausible(self.at(some))[kind])
-        each = zip(some, octaves, strict=True)
-        gains = np.array([self.sized(kind, self.at(np.array([one])), named.value, np.array([octave]))[0] for one, octave in each])
+        values = [named.value, -named.value] if kind == MASS else [named.value]
+        each = [
+            [self.sized(kind, self.at(np.array([one])), value, octave)[0] for value in values]
+            for one, octave in zip(some, octaves[:, None], strict=True)
+        ]
+        gains, sides = np.max(each, axis=1), np.argmax(each, axis=1)
         around = tree.query(self.points[some], k=min(NEIGHBOURS, len(some)))[1]
         uphill, top = around[np.arange(len(some)), np.argmax(gains[around], axis=1)], int(np.searchsorted(some, own))
         least = (1 - SCREENING_ERROR) * gains[top] - SCREENING_MARGIN
         while gains[uphill[top]] > gains[top]:
             top = int(uphill[top])
         tops = np.flatnonzero((gains[uphill] <= gains) & (gains > least) & (np.arange(len(some)) != top))
-        return np.asarray(self.points[some[tops[np.argsort(-gains[tops], kind="stable")][:FEW]]])
+        best = tops[np.argsort(-gains[tops], kind="stable")][:FEW]
+        places = [(at_position(self.points[some[k]]), *named.targets[1:]) for k in best]
+        return tuple(replace(named, targets=at, values={"": values[sides[k]]}) for at, k in zip(places, best, strict=True))
 
     def best_name(self, kind: str) -> tuple[str, float]:
         """The best of the places that have names, and its evidence [nats]; empty where there is none."""
@@ -412,7 +407,7 @@ class MeshSearch:
             return lambda of: np.stack([of.nominal.places[name] for name in some])
 
         first, size = self.told(at(names), ())[kind]
-        gain, name = max((self.sized(kind, at([names[k]]), size[k])[0], names[k]) for k in np.argsort(-first)[:NAMED].tolist())
+        gain, name = max((self.sized(kind, at([names[k]]), size[k])[0], names[k]) for k in np.argsort(-first)[:FEW].tolist())
         return name, gain
 
     @cached_property
@@ -474,8 +469,8 @@ def _resonator(frequency: Array, own: float, ratio: float) -> ComplexArray:
     return np.asarray(spring / (spring - frequency**2))
 
 
-def found_nodes(candidate: Candidate) -> tuple[tuple[NodeScores, ...], tuple[FoundNode, ...]]:
-    """What the data say of all nodes beside the fit of `candidate`, and the best node of every kind that explains anything."""
+def found_nodes(candidate: Candidate, *, far: bool = False) -> tuple[tuple[NodeScores, ...], tuple[FoundNode, ...]]:
+    """What the data say of all nodes beside the fit of `candidate`, and of every kind that explains anything the best node."""
     every, found = [], []
     for search in MeshSearch.of(candidate):
         scores = search.scores()
@@ -485,7 +480,7 @@ def found_nodes(candidate: Candidate) -> tuple[tuple[NodeScores, ...], tuple[Fou
         for kind, evidence in scores.evidence.items():
             if evidence.max() < PROMISING:
                 continue
-            node, gain, size = search.best_node(scores, kind)
+            node, gain, size = search.best_node(scores, kind, far=far)
             (name, of_name), looked = search.best_name(kind), float(evidence.max()) - scores.somewhere(kind)
             point = scores.points[node]
             away = np.linalg.norm(at - point, axis=1)
@@ -506,7 +501,9 @@ def found_nodes(candidate: Candidate) -> tuple[tuple[NodeScores, ...], tuple[Fou
     return tuple(every), tuple(sorted(found, key=lambda one: -one.evidence))
 
 
-def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> tuple[FoundNode, ...]:
+def without_a_name(
+    data: Study, base: Candidate, nodes: Sequence[FoundNode], wanted: Callable[[Named], bool] = lambda named: True
+) -> tuple[FoundNode, ...]:
     """Of the kinds of `nodes` the places that are worth a fit although they have no name: they would explain what is worth a
     parameter, and what no place that has a name explains as well. As a fit of all tolerances left them, the best first.
 
@@ -515,22 +512,19 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
     tolerances as they are beside the effect.
     """
     seen = [one for one in nodes if _is_worth(one)]
-    if not seen:
+    if not seen and goodness_of_fit(base.fit, base.problem).null:
         return ()
     found, stood = dict[str, FoundNode](), dict[str, Candidate]()
     asked, tried = set[str](), list[CandidateFit]()
-    # All tolerances where they are declared, and what the data then say of them to first order
-    cost = cost_of(base.problem, base.fit.parameters, FLOOR, base.problem.start)
-    x = cost.at(base.problem.start)
-    at_home = replace(base, fit=replace(base.fit, offsets=x, covariance=inverse(cost.total(x)[0].matrix)))
-    declared = [one for one in found_nodes(at_home)[1] if _is_worth(one)]
+    at_home = replace(base, fit=_standing(base.problem, base.fit, base.problem.start))
+    declared = [one for one in found_nodes(at_home, far=True)[1] if wanted(one.named) and _is_worth(one)]
     # A resonator far above the band is a mass, and takes a fit of three sizes: it comes last, where it promises more than those
-    both = [each for some in (seen, declared) for each in [one for one in some if one.kind != RESONATOR][:FITTED]]
+    both = [each for some in (seen, declared) for each in [one for one in some if one.kind != RESONATOR][:FEW]]
     for one in (*both, *(each for each in seen if each.kind == RESONATOR)):
         kind, here, most = one.kind, one.named, -np.inf
         if kind == RESONATOR and any(one.evidence < each.evidence + INDISTINGUISHABLE_NATS for each in found.values()):
             continue
-        for _ in range(ROUNDS):
+        for _ in range(MOVES):
             if here.id in asked:
                 break
             asked.add(here.id)
@@ -590,8 +584,7 @@ def elsewhere(data: Study, rest: Candidate, there: Candidate) -> tuple[tuple[Stu
         return ()
     offsets = {**rest.problem.start, **{one: x for one, x in there.fit.by_name.items() if one in rest.problem.by_name}}
     without = replace(rest, fit=_standing(rest.problem, rest.fit, offsets))
-    found: dict[str, tuple[Added, float]] = {}
-    named = position(here)
+    found, named = dict[str, tuple[Added, float]](), position(here)
     for search in (*MeshSearch.in_place_of(data, there, rest.fit.cost - there.fit.cost), *MeshSearch.of(without)):
         point = places_of(search.whole.structure).get(here) if named is None else np.array(named)
         if point is None:
@@ -617,22 +610,24 @@ def with_twins(data: Study, at: Candidate, steps: Sequence[SearchStep]) -> tuple
         if not kind or position(one.named.target) is None or step is None or len(step.at.effects) != len(others):
             continue
         there, rest = replace(at, effects=(*others, one)), replace(step.at, effects=others)
-        searches = MeshSearch.in_place_of(data, there, rest.fit.cost - at.fit.cost)
-        places = [at_position(point) for search in searches for point in search.twins(kind, one.named)]
-        if not places:
+        searches = (*MeshSearch.in_place_of(data, there, rest.fit.cost - at.fit.cost), *MeshSearch.of(rest))  # as `elsewhere`
+        found = {twin.id: twin for search in searches for twin in search.twins(kind, one.named)}
+        twins = [replace(one, named=twin) for twin in found.values()]
+        if not twins:
             continue
         try:
-            ready = data.ready_at([one.named.target, *places])
+            ready = data.ready_at([one.named.target, *(twin.named.target for twin in twins)])
             rest, there = (over(ready, data, each) for each in (rest, there))
         except CheckFailed:  # over their coordinates the model breaks down
             continue
-        twins = [replace(one, named=replace(one.named, targets=(place, *one.named.targets[1:]))) for place in places]
         here, enough = candidate_fit(rest, there), there.fit.cost + INDISTINGUISHABLE_NATS
         fits = [candidate_fit(rest, fit_in_place(ready, there, rest, twin, worth=enough)) for twin in twins]
         if alike := [each for each in fits if each.evidence > here.evidence - INDISTINGUISHABLE_NATS]:
-            tried = tuple(ranked([here, *alike]))
-            data, at = ready, tried[0].candidate
-            more.append(replace(step, at=rest, tried=tried, added=tried[0].id, reconsidered=one.named.id))
+            best, *tried = ranked([here, *alike])
+            by = here.evidence - max(each.evidence for each in step.tried if each.id == here.id)  # over other coordinates
+            tried += (replace(each, evidence=each.evidence + by) for each in step.tried if each.id != here.id)
+            data, at = ready, best.candidate
+            more.append(replace(step, at=rest, tried=(best, *ranked(tried)), added=best.id, reconsidered=one.named.id))
     return data, at, tuple(more)
 
 

@@ -465,8 +465,7 @@ LEAST_PEAK = 1.0
 tests/validation/diagnosing/test_mistakes_of_tests.py."""
 
 ROWS = 240
-"""[count] of lines of a test that are looked at. Exercised by
-tests/validation/diagnosing/test_mistakes_of_tests.py."""
+"""[count] of lines of a test that are looked at. Exercised by tests/validation/diagnosing/test_mistakes_of_tests.py."""
 
 FAR = 0.5
 """[share] Distance of a reading from what it should be from which another point is looked for. Exercised by

@@ -283,8 +283,8 @@ def _nearest_by_lines(
 
 def _declared(problem: Problem, fit: Fit) -> dict[str, float]:
     """Offsets of tolerances as they are declared, and of the effects as `fit` found them."""
-    found = {one.name: fit.by_name[one.name] for one in fit.parameters if one.kind == EFFECT}
-    return {one.name: one.start for one in problem.parameters} | found
+    kept = (one.name for one in fit.parameters if one.kind == EFFECT)
+    return {one.name: one.start for one in problem.parameters} | {one: fit.by_name[one] for one in kept}
 
 
 SAME_NATS = 0.05
@@ -302,12 +302,14 @@ class CandidateFit:
     candidate : with it
     evidence : [nats] against the candidate without it
     goodness : of the fit
+    looked : [nats] that it cost to have looked for its place, which has no name; what is named first must be better by that, too
     """
 
     id: str
     candidate: Candidate
     evidence: float
     goodness: GoodnessOfFit
+    looked: float = 0.0
 
     @property
     def added(self) -> Added:
@@ -414,12 +416,12 @@ def worth(at: Candidate, tried: Sequence[CandidateFit]) -> float:
 
 
 def ranked(tried: Sequence[CandidateFit]) -> list[CandidateFit]:
-    """The best fit of each candidate, the most evidence first; of those that tie for it the first by name, not by rounding."""
-    by_id: dict[str, CandidateFit] = {}
-    for one in sorted(tried, key=lambda each: -each.evidence):
-        by_id.setdefault(one.id, one)
-    best = max((one.evidence for one in by_id.values()), default=0.0)
-    return sorted(by_id.values(), key=lambda one: (0.0, one.id) if one.evidence > best - SAME_NATS else (best - one.evidence, ""))
+    """The best fit of each candidate, the most evidence first once it has paid what was looked; ties by name, not by rounding."""
+    by_id = {one.id: one for one in sorted(tried, key=lambda each: each.evidence)}
+    paid = {id: one.evidence - one.looked for id, one in by_id.items()}
+    best = max(by_id.values(), key=lambda one: paid[one.id], default=None)
+    ties = {id for id, one in by_id.items() if best is not None and abs(one.evidence - best.evidence) < SAME_NATS}
+    return sorted(by_id.values(), key=lambda one: (-inf, one.id) if one.id in ties else (-paid[one.id], ""))
 
 
 def in_band(data: Study, one: CandidateFit) -> bool:
@@ -440,7 +442,7 @@ Elsewhere = Callable[[Study, Candidate, Candidate], tuple[tuple[Study, Added, fl
 
 
 MOVES = 4
-"""[count] of times that an effect moves on a mesh before its rivals are asked. Held by
+"""[count] of times that an effect moves on a mesh before its rivals are asked, and of fits at a place without a name. Held by
 tests/validation/diagnosing/test_everywhere.py."""
 
 
@@ -494,7 +496,8 @@ def backward_elimination(
                 at = rest
                 continue
             last = replace(at, effects=(*left, added))
-            there = CandidateFit(id=which, candidate=last, evidence=evidence, goodness=goodness_of_fit(at.fit, at.problem))
+            looked = next((one.looked for one in found.tried if one.id == which), 0.0)
+            there = replace(candidate_fit(rest, last), looked=looked)
             others = found.tried if by_name and not alone else ()
             near = [one for one in others if one.id not in _ids(at) and one.evidence >= GOOD_PART * found.tried[0].evidence]
             progress(f"asking {which} and {len(near[:FITS_OF_A_STEP])} others once more", 0.95)
@@ -506,12 +509,15 @@ def backward_elimination(
                 if in_band(data, rival) and (is_accepted(rival) or rival.evidence <= evidence):
                     tried.append(rival)
             tried = ranked(tried)
-            if alone and tried[0] is there:
+            best = tried[0]
+            if alone and best is there:
                 continue
+            if alone:  # the others were fitted beside the same
+                tried = [best, *(one for one in ranked([*found.tried, *tried]) if one.id != best.id)]
             stands = goodness_of_fit(rest.fit, rest.problem)
-            led = replace(found, at=rest, goodness=stands, tried=tuple(tried), added=tried[0].id, reconsidered=which)
-            at = at if tried[0] is there else tried[0].candidate
-            data = study if tried[0] is moved else data
+            led = replace(found, at=rest, goodness=stands, tried=tuple(tried), added=best.id, reconsidered=which)
+            at = at if best is there else best.candidate
+            data = study if best is moved else data
             known[led.added] = led
             asked.append(led)
     return data, at, tuple(asked)
@@ -538,7 +544,7 @@ def _moved(data: Study, rest: Candidate, there: CandidateFit, elsewhere: Elsewhe
         gained, best = max(ends, key=lambda one: one[0], default=(0.0, end))
         if gained <= SAME_NATS:
             break
-        data, end = ready, replace(best, evidence=end.evidence + gained)
+        data, end = ready, replace(best, evidence=end.evidence + gained, looked=end.looked)
     return data, end
 
 
@@ -572,11 +578,11 @@ MOST_EFFECTS = 3
 """[count] of effects that are looked for. Set by the development draws of `make blind`."""
 
 FITS_OF_A_STEP = 6
-"""[count] of candidates that are fitted in a step at most. Held by tests/validation/diagnosing/test_search.py."""
+"""[count] of candidates fitted, or nodes asked further, at most. Held by tests/validation/diagnosing/test_search.py."""
 
 FEW = 3
 """[count] of these of one kind at most: of a family, rough ones that are finished, from the priors, of rivals that no straight
-line promised. Held by tests/validation/diagnosing/test_search.py."""
+line promised, kinds at a place without a name and names held against it. Held by tests/validation/diagnosing/test_search.py."""
 
 OTHERS = 2
 """[count] of these that are kept for another kind of effect. Held by tests/validation/diagnosing/test_search.py."""
@@ -644,10 +650,8 @@ def stepwise_search(
     at, again = base, True
     rounds: list[SearchStep] = []
     while len(at.effects) < MOST_EFFECTS and sum(not one.reconsidered for one in rounds) < 2 * MOST_EFFECTS:
-        if at is base and not base.fit.converged:
-            one = step_from_afar(data, at, menu, progress)
-        else:
-            one = _step(data, at, menu, progress, fitted if at is base else ())
+        afar, known = at is base and not base.fit.converged, fitted if at is base else ()
+        one = step_from_afar(data, at, menu, progress) if afar else _step(data, at, menu, progress, known)
         if (
             again
             and one.tried
@@ -770,11 +774,15 @@ def placed_from_afar(
 def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress, fitted: Sequence[FoundNode] = ()) -> SearchStep:
     progress(f"screening {len(menu)} effects", 0.0)
     here, known = goodness_of_fit(at.fit, at.problem), {one.named.id: one for one in fitted}
-    found = [_as_fitted(one, known[one.id]) if one.id in known else one for one in screen(data, at, menu)]
-    found = sorted(found, key=lambda one: -one.evidence)
+    found = list(screen(data, at, menu))
+    for k, each in enumerate(found):  # what was fitted promises no less than that fit brought, at its size
+        if (node := known.get(each.id)) is not None and each.evidence < (brought := node.evidence + node.looked):
+            found[k] = replace(each, added=replace(each.added, named=node.named), evidence=brought)
+    found.sort(key=lambda each: -each.evidence)
     fits = _rough_fits if here.misfit > MISFIT else _local_fits
     tried, gone = _fits_in_band(data, found, lambda some: fits(data, at, here, some, progress))
     tried = _restarted_where_stuck(data, at, here, tried, found, progress)
+    tried = ranked([replace(one, looked=known[one.id].looked) if one.id in known else one for one in tried])
     good = bool(tried) and is_accepted(tried[0])
     asked: set[str] = set()
     while good and tried[0].id not in asked:  # a rival that is better has rivals of its own
@@ -792,12 +800,6 @@ def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress,
         tried = ranked([*tried, *may])
     best = tried[0].id if good else ""
     return SearchStep(at=at, goodness=here, screened=tuple(found), tried=tuple(tried), added=best, left_band=gone)
-
-
-def _as_fitted(one: Screened, node: FoundNode) -> Screened:
-    """`one`, which promises no less than the fit of it as a `node` brought, at the size of that."""
-    brought = node.evidence + node.looked
-    return one if one.evidence >= brought else replace(one, added=replace(one.added, named=node.named), evidence=brought)
 
 
 def _local_fits(

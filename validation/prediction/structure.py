@@ -379,8 +379,7 @@ LEFT_OUT = 1e-3
 """Share of the change that a pull makes, by energy, that may lie outside the basis."""
 
 FAR = (-0.6, 2.0)
-"""Relative changes of a density to which the basis is made. Held by
-tests/validation/prediction/test_any_structure.py."""
+"""Relative changes of a density to which the basis is made. Held by tests/validation/prediction/test_any_structure.py."""
 
 FAR_MODULUS = (-0.97, *FAR)
 """Those of a modulus, which may fall to next to nothing. Held by tests/validation/prediction/test_part_nearly_gone.py."""
@@ -497,9 +496,8 @@ def bent_far(
             work = np.abs(np.sum(swinging * pull, axis=0))
             found.append(add(pull / np.sqrt(np.maximum(work, FAINT * omega**2))))
         changes = [(size * own, none) for size in (FAR_SUPPORT if name in structure.supports else FAR_MODULUS) if own.nnz]
-        for size in FAR_THICKNESS if both else ():
-            changes.append((size * both[0] + ((1 + size) ** 3 - 1) * both[1], size * heavy))
-        changes += [(none, size * heavy) for size in FAR if heavy.nnz]
+        thicker = [(size * both[0] + ((1 + size) ** 3 - 1) * both[1], size * heavy) for size in FAR_THICKNESS if both]
+        changes += [*thicker, *((none, size * heavy) for size in FAR if heavy.nnz)]
         K, M = (_bordered(*one, basis) for one in wholes)
         for dK, dM in changes:
             known, bent = swings(K, M)[0], common[:, :0]
@@ -514,6 +512,13 @@ def bent_far(
                 if count == ROUNDS or not add(left).size:
                     break
                 K, M = (_bordered(old, one, basis) for old, (_, one) in zip((K, M), wholes, strict=True))
+            found.append(bent)
+        for dK, _ in thicker if answers.size else ():  # bent and stretched otherwise, as no straight line tells
+            for count in range(ROUNDS + 1):
+                ones = np.eye(basis.shape[1])  # A on the basis, of which `answers` are some columns
+                bent = basis @ np.linalg.solve(ones + _on_its_own(dK, basis), ones[:, first : common.shape[1]])
+                if count == ROUNDS or not add(A @ (answers - bent) - dK @ bent).size:
+                    break
             found.append(bent)
         return new(common, np.hstack(found))
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -288,9 +289,9 @@ def test_a_fitted_node_is_held_against_a_fitted_name_and_not_against_its_promise
     study = tabled(portal(tmp_path, 10), portal(tmp_path / "fine", 30), f"point-mass:{place}=0.03", sensors)
     base = candidates.baseline(study)
     best = next(one for one in found_nodes(base)[1] if one.kind == "point-mass")
-    far = replace(best, evidence=best.evidence + 1e4, named_evidence=best.evidence + 1e4 - 10.0, named_place="c")
-    monkeypatch.setattr(everywhere, "found_nodes", lambda of: ((), (far,)))
-    (found,) = without_a_name(study, base, [far])
+    close = replace(best, evidence=best.evidence + 1e4, named_evidence=best.evidence + 1e4 - 10.0, named_place="c")
+    monkeypatch.setattr(everywhere, "found_nodes", lambda of, far: ((), (close,)))
+    (found,) = without_a_name(study, base, [close])
     assert np.linalg.norm(np.array(position(found.named.target)) - HIDDEN) < 0.04
     assert 0 < found.named_evidence < found.evidence - 10.0
 
@@ -318,6 +319,66 @@ def test_a_mass_at_a_node_and_at_its_mirror_image_is_one_name_where_no_sensor_pa
         assert parting.gain > 20
         assert found.accepted[0].note.startswith("an interval is that of one place; over all 2 ")
     assert (mirror.partition(":")[2] in data.model.looked_at) == alike
+
+
+def test_what_is_too_heavy_on_one_side_may_be_as_much_too_light_on_the_other(study, monkeypatch):
+    """1.7 g more at a node of a frame were told as 1.7 g less on its other side, 0.5 nats behind, and as nothing else."""
+    (mesh,) = MeshSearch.of(candidates.baseline(study))
+    mirror = np.array([0.3 - HIDDEN[0], 0.0, HIDDEN[2]])
+
+    def sized(self, kind, row, first, octaves):
+        return 100.0 * np.exp(-np.linalg.norm(row - (HIDDEN if first > 0 else mirror)) / 0.03), first
+
+    monkeypatch.setattr(MeshSearch, "rows", lambda self, nodes: self.points[nodes])
+    monkeypatch.setattr(MeshSearch, "plausible", lambda self, rows: dict.fromkeys(everywhere.KINDS, np.ones(len(rows))))
+    monkeypatch.setattr(MeshSearch, "sized", sized)
+    (twin,) = mesh.twins("point-mass", parse(f"point-mass:{at_position(HIDDEN)}=0.01", ANYWHERE))
+    assert np.linalg.norm(np.array(position(twin.target)) - mirror) < 0.03
+    assert twin.value == -0.01
+    assert mesh.twins("cable:x", parse(f"cable:{at_position(HIDDEN)}:x=1e4", ANYWHERE)) == ()  # no spring pushes
+
+
+def test_twins_are_seen_from_the_fit_without_the_effect_too(portal, tmp_path, monkeypatch):
+    """Along resonances tolerances follow no straight line from one twin to the other: half-way there is the fit without."""
+    place = at_position(HIDDEN)
+    study = tabled(portal(tmp_path, 10), portal(tmp_path / "fine", 30), f"point-mass:{place}=0.03", "c:y c:z")
+    ready = study.ready_at([place])
+    base = candidates.baseline(ready)
+    at = search.fit_with(ready, base, Added(named=parse(f"point-mass:{place}=0.02", ANYWHERE)))
+    brought = search.candidate_fit(base, at)
+    other = replace(brought, id="mass:lintel", evidence=brought.evidence - 2.0)
+    step = search.SearchStep(at=base, goodness=brought.goodness, screened=(), tried=(brought, other), added=brought.id)
+    monkeypatch.setattr(MeshSearch, "in_place_of", lambda *asked: ())
+    _, _, (more,) = with_twins(ready, at, [step])
+    mirror = f"point-mass:{at_position((0.3 - HIDDEN[0], 0.0, HIDDEN[2]))}"
+    assert {one.id for one in more.indistinguishable} == {brought.id, mirror, other.id}  # what explained as much before stays
+
+
+def test_what_tolerances_have_swallowed_is_seen_from_where_they_are_declared(study, monkeypatch):
+    """A spring of 3.2 MN/m on boxes, 62 nats at its node, promised 4 from tolerances that had paid for it."""
+    base, null = candidates.baseline(study), [True]
+    monkeypatch.setattr(everywhere, "goodness_of_fit", lambda fit, problem: SimpleNamespace(null=null[0]))
+    assert without_a_name(study, base, ()) == ()
+    null[0] = False
+    best, *_ = without_a_name(study, base, ())
+    assert np.linalg.norm(np.array(position(best.named.target)) - HIDDEN) < 0.03
+
+
+def test_from_afar_nodes_are_asked_where_a_straight_line_promises_nothing(study, monkeypatch):
+    """Of 79 g at a barrel's rim it promised nothing at its node, 0.66 million nats, and thousands at the foot."""
+    (mesh,) = MeshSearch.of(candidates.baseline(study))
+    own = int(np.argmin(np.linalg.norm(mesh.points - HIDDEN, axis=1)))
+    far_off = np.where(np.arange(len(mesh.points)) == 0, 10.0, 0.0)
+    scores = replace(mesh.scores(), evidence={"point-mass": far_off}, size={"point-mass": far_off - 20.0})
+
+    def sized(self, kind, row, first, octaves=(), *, nearer=0):
+        return (100.0 if first > 0 and np.array_equal(row, mesh.points[own]) else 1.0), np.sign(first)
+
+    monkeypatch.setattr(MeshSearch, "rows", lambda self, nodes: self.points[nodes])
+    monkeypatch.setattr(MeshSearch, "sized", sized)
+    monkeypatch.setattr(MeshSearch, "nearby", lambda self, kind, point, size: (point.tolist(), size))
+    assert mesh.best_node(scores, "point-mass") != (mesh.points[own].tolist(), 1.0)
+    assert mesh.best_node(scores, "point-mass", far=True) == (mesh.points[own].tolist(), 1.0)
 
 
 def test_what_an_effect_brings_beside_another_is_told_against_a_fit_that_was_not_given_up(portal, tmp_path):

@@ -108,6 +108,17 @@ def test_of_two_fits_of_one_candidate_the_better_counts():
     assert search.ranked([first, second, other]) == [second, other]
 
 
+def test_a_place_without_a_name_must_be_better_by_what_it_cost_to_have_looked_for_it():
+    """69 % more of a rib was told as 0.14 kg at one of hundreds of nodes, 2.5 nats better, which chance is worth as well."""
+    named, node = ended(MASSES[0], 37.3), replace(ended(MASSES[1], 39.8), looked=4.4)
+    tried = search.ranked([node, named])
+    assert tried == [named, node]
+    assert replace(a_round([]), tried=tuple(tried)).indistinguishable == (named, node)
+    assert search.ranked([named, replace(node, looked=1.0)])[0].id == node.id
+    tie = replace(node, evidence=37.301)  # one name, whatever it cost
+    assert [one.evidence for one in search.ranked([named, tie])] == [one.evidence for one in search.ranked([tie, named])]
+
+
 def test_a_fit_is_worth_its_end_where_it_may_be_the_best_or_a_rival_of_it():
     """Beside a best that is all that is needed a few nats decide, beside another one a part of what it brings."""
     other = ended(MASSES[1], 40.0)
@@ -378,6 +389,19 @@ def test_what_moves_on_a_mesh_needs_no_second_effect_that_mended_its_place(monke
     assert (again[0].reconsidered, again[0].added) == (HUB, HUB if looked else TOP)
     alone, _, _ = asked(monkeypatch, hypothesis(HUB, evidence=5200.0), before[:1], known, elsewhere)
     assert effect_ids(alone) == {TOP}  # 158 nats are more than it costs to have looked
+
+
+def test_what_moves_alone_keeps_those_that_explain_as_much(monkeypatch):
+    """A class had held nothing but places once its effect had moved."""
+    before = (found((HUB, 5200.0), (BLADE, 5199.0), (LOSS, 5000.0), at=ALONE),)
+
+    def elsewhere(data: object, rest: Candidate, there: Candidate) -> tuple[tuple[object, Added, float], ...]:
+        return ((data, Added(named=parse(f"{TOP}=0.3")), 0.0),) if there.effects[-1].named.id == HUB else ()
+
+    known = {(TOP,): 5201.0, (): 0.0}
+    ended, (moved,), fitted = asked(monkeypatch, hypothesis(HUB, evidence=5200.0), before, known, elsewhere)
+    assert (effect_ids(ended), fitted) == ({TOP}, [TOP])
+    assert [one.id for one in moved.indistinguishable] == [TOP, HUB, BLADE]
 
 
 def test_what_stays_the_best_stays_as_it_was_fitted_and_what_is_not_needed_any_more_goes(monkeypatch):
