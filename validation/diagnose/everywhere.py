@@ -289,14 +289,16 @@ class MeshSearch:
         return np.where(allowed, gain * wide / (1 + wide), 0.0) - 0.5 * np.log1p(wide), np.where(allowed, size, 0.0)
 
     def plausible(self, where: Where) -> dict[str, Array]:
-        """By kind (q,) standard deviation of a fault, as `validation.prediction.effects.plausible` has it of a named place."""
-        modes = self.structure.nominal.base + np.arange(len(self.structure.frequency))
-        square = where(self.structure)[:, :, modes] ** 2
-        moved = {MASS: square.sum(axis=1).max(axis=-1)}
-        at = np.max(square / (2 * np.pi * self.structure.frequency) ** 2, axis=-1)
-        moved |= {kind: at[:, axis] for axis, kind in enumerate(SPRINGS)}
-        most = {kind: FAMILIES[kind.partition(":")[0]].sizes[0].high for kind in moved}
-        return {kind: UNSEEN / np.maximum(by, UNSEEN / most[kind]) for kind, by in moved.items()}
+        """By kind (q,) standard deviation of a fault, as `validation.prediction.effects.plausible` has it of a named place and a
+        `Problem` of several data sets."""
+        found: dict[str, list[Array]] = {kind: [] for kind in (MASS, *SPRINGS)}
+        for of in {id(one.structure): _known(one) for _, one in self.tests}.values():
+            square = where(of)[:, :, of.nominal.base + np.arange(len(of.frequency))] ** 2
+            at = np.max(square / (2 * np.pi * of.frequency) ** 2, axis=-1)
+            for kind, by in zip(found, (square.sum(axis=1).max(axis=-1), *at.T), strict=True):
+                (size,) = FAMILIES[kind.partition(":")[0]].sizes
+                found[kind].append(np.where(by > 0, UNSEEN / np.maximum(by, UNSEEN / size.high), size.plausible))
+        return {kind: np.min(each, axis=0) for kind, each in found.items()}
 
     def resonances(self) -> tuple[tuple[float, float], ...]:
         """Frequencies [Hz] and damping ratios at which a resonator explains most at any of some nodes."""

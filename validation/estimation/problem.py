@@ -256,7 +256,7 @@ class Problem:
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The union of all, by name; of a sensor's tolerance that is stated twice the smaller one.
+        """The union of all, by name; of the tolerance of a sensor or an effect that is stated twice the smaller one.
 
         Raises
         ------
@@ -269,8 +269,10 @@ class Problem:
                 first, said_by = found.setdefault(parameter.name, (parameter, source))
                 if first is parameter or said_alike(first) == said_alike(parameter):
                     continue
-                if first.kind == SENSOR and said_alike(replace(parameter, tolerance=first.tolerance)) == said_alike(first):
-                    if parameter.tolerance < first.tolerance:  # one sensor, stated twice: both are true
+                # One sensor, stated twice; an effect of which one data set would show more than the other: both are true
+                once = first.kind in (SENSOR, EFFECT)
+                if once and said_alike(replace(parameter, tolerance=first.tolerance)) == said_alike(first):
+                    if parameter.tolerance < first.tolerance:
                         found[parameter.name] = (parameter, source)
                     continue
                 what = next(what for what in AGREED if getattr(first, what) != getattr(parameter, what))

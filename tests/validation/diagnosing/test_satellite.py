@@ -19,7 +19,10 @@ import pytest
 from scipy.linalg import eigh
 
 from geometry.frames import Array
+from validation.diagnose.diagnosis import Candidate
+from validation.diagnose.everywhere import MeshSearch
 from validation.effects.catalogue import Named
+from validation.estimation.problem import EFFECT, FITTED, Fit
 from validation.model.model import Added
 from validation.study import Study
 
@@ -268,9 +271,25 @@ MIDDLE = "@0.45,0,0.3"
 OTHERS = {"joint-compliance:rotation": 2e-6, "cable:@0.75,0,0.3:x": 300.0, "force-gain:cell-z2": 0.05}
 
 
-def added(name: str, size: float) -> Added:
+def added(name: str, size: float, *, fixed: bool = True) -> Added:
     family, *targets = name.split(":")
-    return Added(named=Named(family=family, targets=tuple(targets), values={"": size}), fixed=True)
+    return Added(named=Named(family=family, targets=tuple(targets), values={"": size}), fixed=fixed)
+
+
+def standing(of: Study) -> Candidate:
+    """The model as it is, no tolerance fitted."""
+    free = of.problem().free(FITTED)
+    some = dict.fromkeys(("chi2", "tolerance_z2", "log_evidence", "cost"), 0.0)
+    nothing = Fit(
+        parameters=free,
+        offsets=np.zeros(len(free)),
+        covariance=np.diag([one.tolerance**2 for one in free]),
+        degrees_of_freedom=1,
+        tolerances=0,
+        converged=True,
+        **some,
+    )
+    return Candidate(effects=(), fit=nothing, problem=of.problem())
 
 
 @pytest.mark.parametrize("beside", [{}, OTHERS], ids=["alone", "with others"])
@@ -302,6 +321,26 @@ def test_one_solution_says_of_a_node_what_is_read_with_an_effect_there_on_a_base
     far = one.finite({}, lines)(row)(*((0 * along, size * along) if spring else (np.full(3, size), 0 * along)))
     whole_answer = read(added(name, size))
     assert np.abs(far - whole_answer).max() < 1e-3 * np.abs(whole_answer - read()).max()
+
+
+def test_an_effect_is_as_plausible_in_all_data_sets_of_a_structure_whatever_their_bands(study: Path) -> None:
+    """Of two bands one told it by more modes than the other, and a diagnosis of both ended in a ValueError."""
+    for name in ("wide", "low"):
+        campaign(study / name, 2)
+    file, driven = study / "low" / "campaign.toml", 'excitation = { kind = "sine-sweep", start_hz = 5.0, stop_hz = 30.0 }'
+    file.write_text(file.read_text().replace("[[run]]", f"[[run]]\n{driven}"))
+    places = (MIDDLE, "@0.15,0.15,0")  # the second rides with the base
+    of = Study.open(study / "study.toml", [study / "wide", study / "low"]).ready_at(places)
+    (search,) = MeshSearch.of(standing(of))
+    for place in places:
+        point = [float(one) for one in place[1:].split(",")]
+        node = int(np.argmin(np.linalg.norm(search.points - point, axis=1)))
+        at_node = search.plausible(search.at(np.array([node])))
+        for kind, found in at_node.items():
+            family, *along = kind.split(":")
+            problem = of.problem((added(":".join((family, place, *along)), 0.0, fixed=False),))
+            (named,) = [one.tolerance for one in problem.parameters if one.kind == EFFECT]
+            assert named == pytest.approx(found[0], rel=1e-4)
 
 
 @pytest.mark.proof  # some minutes
