@@ -33,7 +33,7 @@ from validation.model.setups import above_fmd
 from validation.prediction import structure_tests
 from validation.prediction.classical_facts import ArticleFact, facts, require_bodies
 from validation.prediction.series import SeriesPrediction, predictions
-from validation.prediction.structure import ReducedStructure
+from validation.prediction.structure import ReducedStructure, lacking
 from validation.prediction.structure_tests import StructurePrediction, Test
 
 TRUTH = ".truth.json"
@@ -365,9 +365,20 @@ class Study:
 
         Raises
         ------
-        BadInput, CheckFailed : outside the mesh of a structure.
+        BadInput, CheckFailed : outside the meshes of all structures.
         """
-        ready = self.over(lambda of: of.at(positions, anew=anew))
+        outside: dict[str, list[BadInput | CheckFailed | None]] = {place: [] for place in positions}
+
+        def made_ready(of: ReducedStructure) -> ReducedStructure:
+            for place, said in outside.items():
+                said.append(lacking(of.structure, place))
+            there = [place for place, said in outside.items() if said[-1] is None]
+            return of.at(there, anew=anew) if there else of
+
+        ready = self.over(made_ready)
+        for error in (said[0] for said in outside.values() if said and None not in said):
+            assert error is not None
+            raise error
         if not anew:
             return ready
         model = replace(self.model, looked_at=tuple(dict.fromkeys((*self.model.positions, *positions))))

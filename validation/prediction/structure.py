@@ -842,6 +842,15 @@ def with_positions(structure: Structure, positions: Sequence[str]) -> Structure:
     return replace(structure, places={**structure.places, **dict(zip(new, rows, strict=True))})
 
 
+def lacking(structure: Structure, place: str) -> BadInput | CheckFailed | None:
+    """Why `structure` has no `place` that is written as coordinates; None where it has it."""
+    try:
+        with_positions(structure, [place])
+    except (BadInput, CheckFailed) as error:
+        return error
+    return None
+
+
 # A user's own article behind its path: an FE model as its file has it, or a drawing, of which a solid model is made.
 
 
@@ -860,6 +869,17 @@ def users_model(path: str, stamp: int) -> UsersModel:
 
     drawn = user_article.load(path, unit=None, material=None)
     return UsersModel(name=drawn.name, model=model.structure(drawn))
+
+
+def positions_on(model: Model, own: str) -> tuple[str, ...]:
+    """The positions of `model` for its `own` model of an article: all but those that lie outside it and on that of another."""
+
+    def has(path: str, place: str) -> bool:
+        of = users_model(path, stamp(path)).model
+        return isinstance(of, Structure) and lacking(of, place) is None
+
+    others = {*model.own.values()} - {own} if model.kind != RIGID else set()
+    return tuple(one for one in model.positions if not others or has(own, one) or not any(has(path, one) for path in others))
 
 
 def inertia(path: str, stamp: int) -> Inertia:
@@ -974,7 +994,7 @@ def mounted_article(model: Model, campaign: Campaign, highest: float = 0.0) -> M
         damping_ratio=model.damping_ratio,
         changes=() if own else _changes(model, article),
         band=max(reach, default=highest or BAND) if own else BAND,
-        positions=model.positions if own else (),
+        positions=positions_on(model, own) if own else (),
     )
     if at:
         try:

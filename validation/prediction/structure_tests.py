@@ -146,7 +146,7 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
             there = structure.elements.numbered(int(number))
             rows |= {} if there is None else {point.place: there}
     known = {name: row for name, row in structure.places.items() if name.replace("-", " ", 1) not in rows}  # dof-20 and dof 20
-    structure = reduction.with_positions(replace(structure, places={**known, **rows}), model.positions)
+    structure = reduction.with_positions(replace(structure, places={**known, **rows}), reduction.positions_on(model, path))
     band = max(one.band[1] if isinstance(one, ResponseFunctions) else float(np.max(one.frequency)) for one in tests)
     damping = users.damping if model.damping_ratio is None else Damping(ratio=model.damping_ratio)
     made = reduction.by_itself(structure, band, damping=damping)

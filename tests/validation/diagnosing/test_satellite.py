@@ -9,6 +9,7 @@ the first lines.
 
 import json
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from geometry.errors import BadInput
 from geometry.frames import Array
 from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.everywhere import MeshSearch
@@ -341,6 +343,36 @@ def test_an_effect_is_as_plausible_in_all_data_sets_of_a_structure_whatever_thei
             problem = of.problem((added(":".join((family, place, *along)), 0.0, fixed=False),))
             (named,) = [one.tolerance for one in problem.parameters if one.kind == EFFECT]
             assert named == pytest.approx(found[0], rel=1e-4)
+
+
+def test_a_place_that_one_of_two_articles_has_is_no_mistake_of_the_other(study: Path) -> None:
+    """The other was refused, so that neither a diagnosis of both nor a model with the effect in it could go on."""
+    for end in ("bdf", "toml"):  # on shorter booms
+        text = (study / f"satellite.{end}").read_text()
+        (study / f"small.{end}").write_text(
+            text.replace("0.75000", "0.50000").replace("0.37500", "0.25000").replace("satellite", "small")
+        )
+    campaign(study / "one", 2)
+    campaign(study / "other", 3)
+    file, model, tip, nowhere = study / "other" / "campaign.toml", study / "study.toml", "@0.75,0,0.3", "@2,0,0"
+    file.write_text(file.read_text().replace("fmd+satellite", "fmd+small").replace("0.75,", "0.5,"))
+    own = '"fmd+satellite" = "satellite.toml"'
+    model.write_text(model.read_text().replace(own, f'{own}, "fmd+small" = "small.toml"'))
+    of = Study.open(model, [study / "one", study / "other"])
+    for anew in (True, False):
+        places = [one.there.places for one in of.ready_at([tip, MIDDLE], anew=anew).made]
+        assert [MIDDLE in one for one in places] == [True, True]
+        assert [tip in one.structure.nominal.places for one in of.ready_at([tip], anew=anew).made if one.structure] == [
+            True,
+            False,
+        ]
+        with pytest.raises(BadInput, match="outside the mesh"):
+            of.ready_at([nowhere], anew=anew)
+    for place in (tip, nowhere):
+        effect = f'[[effect]]\nid = "point-mass:{place}"\nvalue = 0.1\n'
+        (study / "with.toml").write_text(f"{model.read_text()}\n{effect}")
+        with pytest.raises(BadInput, match="outside the mesh") if place == nowhere else nullcontext():
+            Study.open(study / "with.toml", [study / "one", study / "other"])
 
 
 @pytest.mark.proof  # some minutes
