@@ -329,7 +329,7 @@ def test_what_is_too_heavy_on_one_side_may_be_as_much_too_light_on_the_other(stu
     def sized(self, kind, row, first, octaves):
         return 100.0 * np.exp(-np.linalg.norm(row - (HIDDEN if first > 0 else mirror)) / 0.03), first
 
-    monkeypatch.setattr(MeshSearch, "rows", lambda self, nodes: self.points[nodes])
+    monkeypatch.setattr(MeshSearch, "at", lambda self, nodes: self.points[nodes])
     monkeypatch.setattr(MeshSearch, "plausible", lambda self, rows: dict.fromkeys(everywhere.KINDS, np.ones(len(rows))))
     monkeypatch.setattr(MeshSearch, "sized", sized)
     (twin,) = mesh.twins("point-mass", parse(f"point-mass:{at_position(HIDDEN)}=0.01", ANYWHERE))
