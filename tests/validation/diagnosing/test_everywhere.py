@@ -374,7 +374,7 @@ def test_from_afar_nodes_are_asked_where_a_straight_line_promises_nothing(study,
     def sized(self, kind, row, first, octaves=(), *, nearer=0):
         return (100.0 if first > 0 and np.array_equal(row, mesh.points[own]) else 1.0), np.sign(first)
 
-    monkeypatch.setattr(MeshSearch, "rows", lambda self, nodes: self.points[nodes])
+    monkeypatch.setattr(MeshSearch, "at", lambda self, nodes: self.points[nodes])
     monkeypatch.setattr(MeshSearch, "sized", sized)
     monkeypatch.setattr(MeshSearch, "nearby", lambda self, kind, point, size: (point.tolist(), size))
     assert mesh.best_node(scores, "point-mass") != (mesh.points[own].tolist(), 1.0)
