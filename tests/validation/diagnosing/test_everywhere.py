@@ -372,7 +372,7 @@ def test_from_afar_nodes_are_asked_where_a_straight_line_promises_nothing(study,
     scores = replace(mesh.scores(), evidence={"point-mass": far_off}, size={"point-mass": far_off - 20.0})
 
     def sized(self, kind, row, first, octaves=(), *, nearer=0):
-        return (100.0 if first > 0 and np.array_equal(row, mesh.points[own]) else 1.0), np.sign(first)
+        return (100.0 if first > 0 and np.array_equal(row[0], mesh.points[own]) else 1.0), np.sign(first)
 
     monkeypatch.setattr(MeshSearch, "at", lambda self, nodes: self.points[nodes])
     monkeypatch.setattr(MeshSearch, "sized", sized)
