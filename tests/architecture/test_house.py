@@ -34,8 +34,8 @@ Files and lines: the issue on the house asked for at most 260 files and 77,000 l
     98,500   decks of three programs written, errors of reductions, base motions that nobody measured, hammers, universal files
    101,700   single-axis and several shakers, meshes of shells, beams and bricks, decks described, condensed structures
    103,000   joints and clamps that give, decks of aircraft and spacecraft, what has changed since an earlier test
-   102,800   less: what examples and tests alone used, hand-written codecs of the workbench, curves that nobody read; every node
-             of a structure on a base, 230
+   102,800   less: what examples and tests alone used, hand-written codecs of the workbench, curves that nobody read; more: every
+             node of a structure on a base
 
 The other bars are the same for old and new.
 """

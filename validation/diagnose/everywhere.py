@@ -70,6 +70,10 @@ SURVEYED = 128
 """[count] of nodes, spread over the structure, at which frequency and damping of a resonator are looked up, and all else from
 afar. Exercised by tests/validation/diagnosing/test_everywhere.py."""
 
+PRODUCTS = 1e10
+"""[count] of readings times parameters times nodes, about a minute's work; beyond them nodes say what the nearest of those says
+that are worked out. Held by tests/validation/diagnosing/test_everywhere.py."""
+
 PROMISING = 3.0
 """[nats] to first order that a kind must bring somewhere for that: 20 to 1. Exercised by
 tests/validation/diagnosing/test_everywhere.py."""
@@ -219,15 +223,25 @@ class MeshSearch:
         """Nodes all over the structure."""
         return np.unique(np.linspace(0, len(self.points) - 1, SURVEYED).astype(np.int64))
 
+    @property
+    def worked_out(self) -> Integers:
+        """Every node, or as many all over the structure as `PRODUCTS` are enough for."""
+        a_node = sum(of.moved.size for of, _ in self.tests)
+        most = min(max(int(PRODUCTS / a_node), SURVEYED), len(self.points))
+        return np.unique(np.linspace(0, len(self.points) - 1, most).astype(np.int64))
+
     def scores(self) -> NodeScores:
         """Of every node."""
-        points = self.points
+        from scipy.spatial import cKDTree
+
+        every = self.worked_out
+        points = self.points[every]
         evidence = {kind: np.zeros(len(points)) for kind in KINDS if kind != RESONATOR or self.lined}
         size = {kind: np.zeros(len(points)) for kind in evidence}
         tuned, places = np.zeros((len(points), 2)), self.resonances() if self.lined else ()
         for begin in range(0, len(points), AT_ONCE):
             some = slice(begin, begin + AT_ONCE)
-            told = self.told(self.at(some), places)
+            told = self.told(self.at(every[some]), places)
             for kind, (e, c) in told.items():
                 if kind in evidence:
                     evidence[kind][some], size[kind][some] = e, c
@@ -238,13 +252,14 @@ class MeshSearch:
                     np.where(better, new, old[some]) for new, old in ((e, evidence[RESONATOR]), (c, size[RESONATOR]))
                 )
                 tuned[some][better] = frequency, ratio
+        nearest = cKDTree(points).query(self.points)[1]
         return NodeScores(
             article=self.structure.configuration,
             structure=self.whole.structure,
-            points=points,
-            evidence=evidence,
-            size=size,
-            tuned=tuned,
+            points=self.points,
+            evidence={kind: one[nearest] for kind, one in evidence.items()},
+            size={kind: one[nearest] for kind, one in size.items()},
+            tuned=tuned[nearest],
         )
 
     @property

@@ -124,6 +124,20 @@ def test_a_mass_at_no_named_place_is_found_on_the_mesh_and_added_by_its_coordina
     assert names_of(study.ready_at([cause.named.target]).whole([Added(named=cause.named)]), cause.named)
 
 
+def test_of_a_large_mesh_some_nodes_are_worked_out_and_those_about_them_say_the_same(study, monkeypatch):
+    (mesh,) = MeshSearch.of(candidates.baseline(study))
+    whole = mesh.scores()
+    monkeypatch.setattr("validation.diagnose.everywhere.PRODUCTS", 1.0)
+    monkeypatch.setattr("validation.diagnose.everywhere.SURVEYED", len(mesh.points) // 2)
+    few = mesh.scores()
+    assert len(mesh.worked_out) < len(few.points) == len(mesh.points)
+    for kind, evidence in few.evidence.items():
+        assert_allclose(evidence[mesh.worked_out], whole.evidence[kind][mesh.worked_out], rtol=1e-9, atol=1e-9)
+        assert set(evidence) == set(evidence[mesh.worked_out])
+    best, away = mesh.best_node(few, "point-mass")[0], mesh.best_node(whole, "point-mass")[0]
+    assert np.linalg.norm(mesh.points[best] - mesh.points[away]) < 0.01
+
+
 WRONG = f"point-mass:{at_position((0.24, 0.0, 0.24))}"
 
 
