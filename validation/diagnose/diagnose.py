@@ -20,7 +20,7 @@ from identification.campaign import Campaign
 from identification.quality import NORMAL_90
 from validation.compare.correlation import correlations
 from validation.diagnose import candidates, diagnosis, pendulum, search
-from validation.diagnose.everywhere import elsewhere, found_nodes, kind_of, with_twins, without_a_name
+from validation.diagnose.everywhere import elsewhere, found_nodes, kind_of, nodes_of, with_twins, without_a_name
 from validation.diagnose.landmark_search import FromAfar, line_fit
 from validation.diagnose.mistakes import mistakes
 from validation.diagnose.next_test import advised
@@ -97,7 +97,7 @@ def diagnosed(
         tell("fitting the model as it is", 0.0)
         fit = right.all_free(lambda share: tell("fitting the model as it is", share))
         base = diagnosis.Candidate(effects=(), fit=fit, problem=right.problem())
-        if right.tests:
+        if any(map(nodes_of, base.problem.predictions)):
             tell("looking everywhere on the mesh", 0.0)
         every, best = found_nodes(base)
         wanted = partial(candidates.looked_for, only=only, leave_out=leave_out)

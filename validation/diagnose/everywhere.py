@@ -184,11 +184,11 @@ class MeshSearch:
     def of(cls, candidate: Candidate) -> Iterator["MeshSearch"]:
         """One for every structure of which nodes and units are known."""
         found: dict[int, list[tuple[fit.Swallowing, OnNodes]]] = {}
-        if not any(_has_nodes(one) for one in candidate.problem.predictions):
+        if not any(nodes_of(one) for one in candidate.problem.predictions):
             return
         for one in fit.swallowing(candidate):
             prediction = one.of.prediction
-            if isinstance(prediction, OnNodes) and (whole := _has_nodes(prediction)):
+            if isinstance(prediction, OnNodes) and (whole := nodes_of(prediction)):
                 found.setdefault(id(whole.structure.stiffness), []).append((one, prediction))
         offsets = {**candidate.problem.start, **candidate.fit.by_name}
         for tests in found.values():
@@ -449,7 +449,7 @@ class MeshSearch:
         return gain - known
 
 
-def _has_nodes(one: Prediction) -> ReducedStructure | None:
+def nodes_of(one: Prediction) -> ReducedStructure | None:
     """The structure of which something could be attached to any node; None where no nodes or no units are known."""
     of = one.structure if isinstance(one, OnNodes) else None
     whole = of.reduced if of is not None and of.scaled else None

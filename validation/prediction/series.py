@@ -603,8 +603,9 @@ class SeriesPrediction:
             made = loaded(row)
 
             def read(mass: Array, spring: Array) -> ComplexArray:
-                there = made(mass, spring)
-                rows = [self._read(at, f, drive, derivatives=False, solved=there).rows for drive, _ in self._variants]
+                with np.errstate(divide="raise", over="raise", invalid="raise"):  # as of `at`
+                    there = made(mass, spring)
+                    rows = [self._read(at, f, drive, derivatives=False, solved=there).rows for drive, _ in self._variants]
                 return rows[0] if len(rows) == 1 else np.stack([rows[k] for k in self._order])
 
             return read
