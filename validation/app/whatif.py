@@ -14,7 +14,7 @@ from itertools import product
 from threading import Lock
 from time import perf_counter
 from types import MappingProxyType
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -36,7 +36,7 @@ from validation.history.add import FIRST_GUESS
 from validation.model.model import Added, Model
 from validation.prediction import classical_facts, dynamic_mass, effects
 from validation.prediction.classical_facts import ArticleFact, require_bodies
-from validation.prediction.dynamic_mass import BaseDrive, SupportedDynamicMass, Tangents
+from validation.prediction.dynamic_mass import BaseDrive, SolvedStructure, SupportedDynamicMass, Tangents
 from validation.prediction.series import SeriesPrediction
 from validation.prediction.structure_tests import StructurePrediction
 from validation.report.effects import examples
@@ -134,20 +134,28 @@ class Remembering:
     """A `Carried` that answers the same question once; the answer is the very same. Several threads may ask."""
 
     def __init__(self, of: SupportedDynamicMass) -> None:
-        self.standing, self.moving, self.exact, self.nuisances = of.standing, of.moving, of.exact, of.nuisances
-        self.mounted = of.mounted
         self._of = of
         own = () if of.nuisances is None else of.nuisances.parameters
         self._names = (*(one.name for one in (*own, *of.mounted)), *dynamic_mass.names())
         self._known: OrderedDict[Hashable, ComplexArray] = OrderedDict()
         self._changing = Lock()
 
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._of, name)
+
     def at(
-        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive, *, derivatives: bool
+        self,
+        offsets: Offsets,
+        effects: Sequence[Added],
+        frequency: Array,
+        drive: BaseDrive,
+        *,
+        derivatives: bool,
+        solved: SolvedStructure | None = None,
     ) -> tuple[ComplexArray, Tangents]:
-        """As `Carried.at`; derivatives are not remembered."""
-        if derivatives:
-            return self._of.at(offsets, effects, frequency, drive, derivatives=True)
+        """As `Carried.at`; derivatives, and what was solved already, are not remembered."""
+        if derivatives or solved is not None:
+            return self._of.at(offsets, effects, frequency, drive, derivatives=derivatives, solved=solved)
         key = self._key(offsets, effects, frequency, drive)
         with self._changing:
             found = self._known.pop(key, None)
@@ -158,10 +166,6 @@ class Remembering:
             while len(self._known) > MOST:
                 self._known.popitem(last=False)
         return found, {}
-
-    def moved(self, offsets: Offsets, effects: Sequence[Added], frequency: Array) -> dict[str, tuple[ComplexArray, ComplexArray]]:
-        """As `Carried.moved`."""
-        return self._of.moved(offsets, effects, frequency)
 
     def _key(self, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive) -> Hashable:
         """All that the answer depends on."""

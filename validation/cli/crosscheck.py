@@ -354,7 +354,7 @@ def model_command(
         problem = "it writes what was found, and nothing else"
         raise BadInput(source="--as", problem=problem, remedy="Leave out --examine and --test")
     if examine:
-        from validation.report.campaign import examine_answer
+        from validation.report.flexible import examine_answer
 
         if out is not None or force or tests:
             problem, remedy = (

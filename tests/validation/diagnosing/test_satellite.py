@@ -10,9 +10,10 @@ the first lines.
 import json
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import h5py
 import numpy as np
@@ -21,6 +22,7 @@ from scipy.linalg import eigh
 
 from geometry.errors import BadInput
 from geometry.frames import Array
+from validation.app.whatif import Remembering
 from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.everywhere import MeshSearch
 from validation.effects.catalogue import Named
@@ -373,6 +375,16 @@ def test_a_place_that_one_of_two_articles_has_is_no_mistake_of_the_other(study: 
         (study / "with.toml").write_text(f"{model.read_text()}\n{effect}")
         with pytest.raises(BadInput, match="outside the mesh") if place == nowhere else nullcontext():
             Study.open(study / "with.toml", [study / "one", study / "other"])
+
+
+def test_a_slider_of_the_workbench_reads_accelerometers_on_the_article_too(study: Path) -> None:
+    campaign(study / "sound", 2)
+    (one,) = Study.open(study / "study.toml", [study / "sound"]).made
+    carried = cast("SupportedDynamicMass", Remembering(one.tested.carried))
+    remembers, lines = replace(one, tested=replace(one.tested, carried=carried)), np.arange(9)
+    rows = one.at({}, lines, derivatives=False).rows
+    for _ in range(2):
+        np.testing.assert_array_equal(remembers.at({}, lines, derivatives=False).rows, rows)
 
 
 @pytest.mark.proof  # some minutes
