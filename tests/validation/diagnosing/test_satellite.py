@@ -28,6 +28,7 @@ from validation.diagnose.everywhere import MeshSearch
 from validation.effects.catalogue import Named
 from validation.estimation.problem import EFFECT, FITTED, Fit
 from validation.model.model import Added
+from validation.prediction.dynamic_mass import SupportedDynamicMass
 from validation.study import Study
 
 E, G, RHO, GRAVITY = 70e9, 70e9 / 2.66, 2700.0, 9.81
@@ -380,7 +381,7 @@ def test_a_place_that_one_of_two_articles_has_is_no_mistake_of_the_other(study: 
 def test_a_slider_of_the_workbench_reads_accelerometers_on_the_article_too(study: Path) -> None:
     campaign(study / "sound", 2)
     (one,) = Study.open(study / "study.toml", [study / "sound"]).made
-    carried = cast("SupportedDynamicMass", Remembering(one.tested.carried))
+    carried = cast(SupportedDynamicMass, Remembering(one.tested.carried))
     remembers, lines = replace(one, tested=replace(one.tested, carried=carried)), np.arange(9)
     rows = one.at({}, lines, derivatives=False).rows
     for _ in range(2):
