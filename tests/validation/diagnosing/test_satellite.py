@@ -394,7 +394,7 @@ def test_a_mass_where_nobody_has_named_anything_is_found_on_the_mesh(study: Path
     answer = found(study, run, "boom", seed=21, beside={(0.45, 0.0, 0.3): 0.06})
     one, *beside = answer["accepted"]
     assert (one["id"], one["value"]) == (f"point-mass:{MIDDLE}", pytest.approx(0.06, abs=0.004))
-    assert [each for each in beside if not each["id"].startswith("absorber:")] == []  # half a gram, of modes that it mixes
+    assert [each for each in beside if not each["id"].startswith("absorber:")] == []  # of a gram, for modes that it mixes
 
 
 @pytest.mark.proof  # two minutes
