@@ -62,8 +62,8 @@ MASS, SPRINGS, RESONATOR = "point-mass", ("cable:x", "cable:y", "cable:z"), "abs
 KINDS = (MASS, *SPRINGS, RESONATOR)
 """What is looked for: a family, with its direction."""
 
-AT_ONCE = 64
-"""[count] of nodes that are worked out together: some ten megabytes. Exercised by
+AT_ONCE = 4e6
+"""[count] of readings of nodes that are worked out together: some ten megabytes an array. Exercised by
 tests/validation/diagnosing/test_everywhere.py."""
 
 SURVEYED = 128
@@ -239,8 +239,9 @@ class MeshSearch:
         evidence = {kind: np.zeros(len(points)) for kind in KINDS if kind != RESONATOR or self.lined}
         size = {kind: np.zeros(len(points)) for kind in evidence}
         tuned, places = np.zeros((len(points), 2)), self.resonances() if self.lined else ()
-        for begin in range(0, len(points), AT_ONCE):
-            some = slice(begin, begin + AT_ONCE)
+        together = max(int(AT_ONCE / (3 * sum(of.of.values.size for of, _ in self.tests))), 1)
+        for begin in range(0, len(points), together):
+            some = slice(begin, begin + together)
             told = self.told(self.at(every[some]), places)
             for kind, (e, c) in told.items():
                 if kind in evidence:

@@ -582,9 +582,9 @@ class SeriesPrediction:
         made = np.empty((len(inputs), len(f), A1.shape[1], 3 * len(rows)), dtype=np.complex128)
         for drive, runs in self._variants:
             some = list(runs)
-            H = self._carried(at, f, drive, derivatives=False, solved=solved)[0]
             made[some] = carried.attached(solved, at, effects, drive, names, rows.reshape(3 * len(rows), -1), A1, inputs[some])
             if not prediction_effects.channels_pass(effects):
+                H = self._carried(at, f, drive, derivatives=False, solved=solved)[0]
                 reading = self._reading(f, A0 + A1 @ H, drive)
                 for run in some:
                     made[run] = prediction_effects.channels(reading, {"": made[run]}, effects)[1][""]
