@@ -750,13 +750,18 @@ def structure(
     of: Nuisances, offsets: Offsets, effects: Sequence[Added], *, derivatives: Wanted
 ) -> tuple[Matrices, dict[str, Tangent]]:
     """The matrices of the structure at `offsets`, effects on it applied, and how they change."""
-    every = bool(derivatives)
-    matrices, tangents = of.at(offsets, derivatives=derivatives)
-    matrices, tangents = prediction_effects.structure(matrices, tangents, effects, derivatives=derivatives)
+    every, (structural, viscous) = bool(derivatives), of.coupling(offsets)
+    drawn, changes = of.at(offsets, derivatives=derivatives)
+    matrices, tangents = prediction_effects.structure(drawn, changes, effects, derivatives=derivatives)
     if laws := of.laws:
         matrices, tangents = prediction_effects.with_damping_law(
-            matrices, tangents, of.nominal, offsets, derivatives=every, laws=laws, coupling=of.coupling(offsets)[0]
+            matrices, tangents, of.nominal, offsets, derivatives=every, laws=laws, coupling=structural
         )
+    if prediction_effects.LOSS_COUPLING in laws and (told := drawn.viscous - viscous).any():
+        share, size = offsets.get(prediction_effects.LOSS_COUPLING, 0.0), len(told)
+        own = {name: one for name, one in changes.items() if share and one.viscous.any() and not name.startswith("coupling:")}
+        moved = {name: prediction_effects.full(one, "viscous", size) for name, one in own.items()}
+        matrices, tangents = prediction_effects.with_losses_by_mode(matrices, tangents, told, moved, share, derivatives=every)
     return matrices, {name: change for name, change in tangents.items() if is_wanted(name, derivatives)}
 
 
