@@ -390,7 +390,7 @@ def test_a_slider_of_the_workbench_reads_accelerometers_on_the_article_too(study
 
 @pytest.mark.proof  # some minutes
 def test_a_mass_where_nobody_has_named_anything_is_found_on_the_mesh(study: Path, run: Callable[..., Any]) -> None:
-    """It was "unknown", with 33 g at the other boom's tip, and then had a resonator of a gram beside it, since modes had turned."""
+    """It was "unknown", with 33 g at the other boom's tip, and then came with a resonator of a gram, since modes had turned."""
     answer = found(study, run, "boom", seed=21, beside={(0.45, 0.0, 0.3): 0.06})
     (one,) = answer["accepted"]
     assert (one["id"], one["value"]) == (f"point-mass:{MIDDLE}", pytest.approx(0.06, abs=0.004))
