@@ -7,6 +7,7 @@ Order of work ("What bit" of the catalogue): discrete mistakes, two levels, a co
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import cache as remembered
 from functools import partial
 from importlib.metadata import version
 from math import erfc, inf, sqrt
@@ -161,6 +162,11 @@ def diagnosed_once(
 def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep], progress: Progress) -> diagnosis.Diagnosis:
     """The diagnosis that the `steps` of a search lead to, which ended at `found`."""
     base, problem = steps[0].at, found.problem
+
+    @remembered  # a rival stands in the ranking, in its step and in its class, and the interval of a spring is dear
+    def cause(one: CandidateFit) -> diagnosis.Cause:
+        return as_cause(one.added, one.candidate, one.evidence, one.goodness)
+
     progress("looking at what is left", 0.0)
     # What is left of something unknown shows in few lines
     lines = sum(len(problem.lines_of(one)) for one in problem.predictions)
@@ -189,8 +195,8 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         else:
             evidence = last[one.named.id].evidence if one.named.id in last else 0.0
         alike = last[one.named.id].indistinguishable if one.named.id in last else ()
-        cause = replace(as_cause(one, found, evidence, stands), same=same[one.named.id])
-        accepted.append(diagnosis.of_a_class(cause, _causes(alike) if len(alike) > 1 else ()))
+        named_cause = replace(as_cause(one, found, evidence, stands), same=same[one.named.id])
+        accepted.append(diagnosis.of_a_class(named_cause, tuple(map(cause, alike)) if len(alike) > 1 else ()))
     # Tests that would tell apart what is as good as the best; where nothing is, what the catalogue knows to confirm it
     advice = diagnosis.confirming(one.named for one in found.effects) if verdict in (diagnosis.MISSING, diagnosis.SEVERAL) else ()
     if verdict == diagnosis.AMBIGUOUS:
@@ -219,7 +225,7 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         verdict=verdict,
         text=text_of_unknown(found, best, left) if verdict == diagnosis.UNKNOWN else "",
         accepted=tuple(accepted),
-        ranking=_causes(best.tried),
+        ranking=tuple(map(cause, best.tried)),
         equivalence_class=indistinguishable_ids(named, steps),
         advice=advice,
         leftover=described(base) if verdict == diagnosis.UNKNOWN else None,
@@ -230,7 +236,7 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         steps=tuple(
             diagnosis.ReportedStep(
                 added=one.added,
-                ranking=_causes(one.tried),
+                ranking=tuple(map(cause, one.tried)),
                 misfit=one.goodness.misfit,
                 price=one.goodness.prior_penalty,
                 text=one.text,
@@ -422,10 +428,6 @@ def text_of_unknown(found: diagnosis.Candidate, best: SearchStep, left: Explanat
     closest = best.tried[0]
     too_little = f"it is {closest.evidence:.1f} nats better, which is not enough for a name"
     return f"As the model is, {why}. With the closest, {closest.id}, {closest.goodness.text or too_little}"
-
-
-def _causes(fits: Sequence[CandidateFit]) -> tuple[diagnosis.Cause, ...]:
-    return tuple(as_cause(one.added, one.candidate, one.evidence, one.goodness) for one in fits)
 
 
 def as_cause(added: Added, of: diagnosis.Candidate, evidence: float, stands: GoodnessOfFit) -> diagnosis.Cause:

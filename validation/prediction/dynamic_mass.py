@@ -188,9 +188,13 @@ def accelerance(
 SAMPLED = 9
 """[count] of lines over the band at which all coordinates are solved. Held by tests/validation/prediction/test_matrices.py."""
 
-SPANNED = 1e-6
-"""[share] of the largest answer to which those between agree, and two orders below which a direction is rounding. Held by
-tests/validation/prediction/test_matrices.py."""
+SPANNED = 1e-5
+"""[share] of the largest answer to which those between agree; what is read is stationary in them and agrees to a hundredth of it.
+Held by tests/validation/prediction/test_matrices.py."""
+
+LEAST = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
+"""[share] of the largest direction below which one is left out: the first of these at which they agree. A decade is a half more
+directions; the last is rounding."""
 
 
 WORTH_CONDENSING = 0.75
@@ -219,7 +223,7 @@ class Condensed:
 
     @classmethod
     def of(cls, matrices: Matrices, at: npt.NDArray[Any], loads: Array, smooth: slice) -> "Condensed | None":
-        """Of `loads` (k, p) at s / i (n,) [rad/s]; None where coordinates other than `smooth` ones are needed to agree, or
+        """Of `loads` (k, p) at s / i (n,) [rad/s] in place of the `smooth` coordinates; None where they do not agree with it, or
         where nothing is saved.
 
         Raises
@@ -243,11 +247,14 @@ class Condensed:
         seen = np.hstack([*answers[::2].real, *answers[::2].imag])
         Q, R, _ = qr(seen, mode="economic", pivoting=True, check_finite=False)
         large = np.abs(np.diag(R))
-        W = Q[:, large > 1e-2 * SPANNED * large[0]]
-        if len(kept) + W.shape[1] > len(everything) * WORTH_CONDENSING:
-            return None
-        told = W @ np.linalg.solve(W.T @ own[1::2] @ W, W.T @ asked[1::2])
-        if not np.abs(told - answers[1::2]).max() <= SPANNED * np.abs(answers).max():
+        for least in LEAST:
+            W = Q[:, large > least * large[0]]
+            if len(kept) + W.shape[1] > len(everything) * WORTH_CONDENSING:
+                return None
+            told = W @ np.linalg.solve(W.T @ own[1::2] @ W, W.T @ asked[1::2])
+            if np.abs(told - answers[1::2]).max() <= SPANNED * np.abs(answers).max():
+                break
+        else:
             return None
         made = cls(matrices=matrices, kept=kept, gone=gone, directions=W)
         M, K, C, S = (made.of_matrix(getattr(matrices, name), kept, gone, W) for name in FIELDS)

@@ -335,8 +335,13 @@ def test_what_answers_smoothly_over_a_band_is_condensed_and_neither_answers_nor_
         np.testing.assert_allclose(found[name], change, rtol=0, atol=dynamic_mass.SPANNED * np.abs(change).max())
 
 
-def test_nothing_is_condensed_that_resounds_in_the_band_nor_where_few_lines_are_asked():
+def test_what_resounds_in_the_band_is_condensed_where_that_is_right_between_all_lines_and_few_lines_are_solved_as_they_are():
     m = prediction_structure.held(structure("clumod-4"), modes("clumod-4", LOSSES), locations("clumod-4"))
-    loads = dynamic_mass.along(m, "mast-top", [1.0, 0.0, 0.0])[:, None]
-    assert dynamic_mass.Condensed.of(m, 2 * np.pi * LINES, loads, slice(0, None)) is None
-    assert dynamic_mass.Condensed.of(m, 2 * np.pi * LINES[:20], loads, SWAYS) is None
+    rows = np.array([dynamic_mass.along(m, place, [1.0, 0.0, 0.0]) for place in ("mast-top", "hub-1")])
+    f = np.linspace(LINES[0], LINES[-1], 4001)
+    few = dynamic_mass.Condensed.of(m, 2 * np.pi * LINES, rows.T, slice(0, None))
+    assert few is not None
+    condensed = dynamic_mass.accelerance(few.matrices, f, few.of_rows(rows), few.of_rows(rows[0])).matrix
+    whole = dynamic_mass.accelerance(m, f, rows, rows[0]).matrix
+    assert np.abs(condensed - whole).max() < 0.1 * dynamic_mass.SPANNED * np.abs(whole).max()
+    assert dynamic_mass.Condensed.of(m, 2 * np.pi * LINES[:20], rows.T, SWAYS) is None
