@@ -11,12 +11,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from fem.factorisers import factorise
 from fem.modes import Modes
 from fem.structure import Sparse
-from geometry.dynamic_mass import ComplexArray, DynamicMass
+from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array, freeze
 
 
@@ -57,17 +56,6 @@ def of_modes(modes: Modes, rigid: Array) -> Reduced:
         structural=_beside(np.zeros((6, 6)), modes.structural),
         basis=np.hstack([rigid, modes.shapes]),
     )
-
-
-def dynamic_mass(reduced: Reduced, frequency: npt.ArrayLike, reference_point: npt.ArrayLike = (0.0, 0.0, 0.0)) -> DynamicMass:
-    """Dynamic mass at `frequency` (n,) [Hz]: the modal coordinates condensed."""
-    lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
-    H = np.empty((len(lines), 6, 6), dtype=np.complex128)
-    for line, omega in enumerate(2 * np.pi * lines):
-        Z = reduced.stiffness + 1j * (omega * reduced.viscous + reduced.structural) - omega**2 * reduced.mass
-        q = np.linalg.solve(Z[6:, 6:], omega**2 * reduced.mass[6:, :6])  # for a unit displacement of the base
-        H[line] = reduced.mass[:6, :6] + reduced.mass[:6, 6:] @ q
-    return DynamicMass(frequency=lines, matrix=H, reference_point=np.asarray(reference_point, dtype=np.float64))
 
 
 def _beside(interface: Array, modes: Array) -> Array:

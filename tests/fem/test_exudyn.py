@@ -23,7 +23,7 @@ from fem.dynamic_mass import LINES, modal
 from fem.exudyn import frame, linear
 from fem.exudyn.frame import refined
 from fem.exudyn.linear import extrapolated, linearise
-from fem.exudyn.run import exudyn_version, from_exudyn, is_interruption, kept, quiet, running, to_exudyn
+from fem.exudyn.run import exudyn_version, is_interruption, kept, quiet, running, to_exudyn
 from fem.modes import Modes, fixed_base
 from fem.reduction import Reduced
 from geometry.article import material
@@ -34,7 +34,8 @@ from geometry.frames import Array, rigid_transformation_6, rotation_about
 from geometry.inertia import Inertia
 from geometry.routes import inertia as drawn_inertia
 
-linearised = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "in_exudyn.py"))["linearised"]
+IN_EXUDYN = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "in_exudyn.py"))
+linearised, from_exudyn = IN_EXUDYN["linearised"], IN_EXUDYN["from_exudyn"]
 
 STEEL = material("steel")
 BAR = rectangle(0.02, 0.01, STEEL)
@@ -244,12 +245,12 @@ def ours(request: pytest.FixtureRequest) -> Reduced:
     return reduction.of_modes(fixed_base(structure, COUNT), structure.rigid)
 
 
-def test_reduced_matrices_in_exudyn_have_our_frequencies_and_dynamic_mass(ours: Reduced) -> None:
+def test_reduced_matrices_in_exudyn_have_our_frequencies_and_dynamic_mass(ours: Reduced, condensed: Callable[..., Array]) -> None:
     """Exudyn's modes summed up, against our modal coordinates condensed line by line."""
     system = linearised(ours.stiffness, ours.mass)
     assert_allclose((2 * np.pi * system.frequency) ** 2, np.diag(ours.stiffness)[6:], rtol=1e-6)
     exudyns = modal(extrapolated(None, system, ours.structural, np.zeros(3), COUNT), LINES).matrix
-    here = reduction.dynamic_mass(ours, LINES).matrix
+    here = condensed(ours, LINES)
     assert_allclose(exudyns, here, rtol=0, atol=1e-6 * np.abs(here).max())
 
 
