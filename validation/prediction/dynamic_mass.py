@@ -27,7 +27,7 @@ from validation.model.model import Added
 from validation.model.tolerance_classes import MountingTolerances
 from validation.prediction import effects as prediction_effects
 from validation.prediction.effects import FIELDS, Nuisances, Tangent
-from validation.prediction.structure import MountedArticle
+from validation.prediction.mounting import MountedArticle
 
 FEW = 3
 """Up to so many coordinates a sum of outer products is the quicker way."""

@@ -38,7 +38,7 @@ from validation.model.tolerance_classes import METROLOGY
 from validation.prediction import dynamic_mass
 from validation.prediction import effects as prediction_effects
 from validation.prediction.dynamic_mass import AttachedResponse, BaseDrive, Finite, SolvedStructure, SupportedDynamicMass, drives
-from validation.prediction.structure import MountedArticle, mounted_article, moving_part
+from validation.prediction.mounting import MountedArticle, mounted_article, moving_part
 
 # The measurement chain of one campaign as a model knows it, in the engine's words.
 
