@@ -38,7 +38,14 @@ class Module:
     @cached_property
     def statements(self) -> tuple[ast.Import | ast.ImportFrom | ast.ClassDef, ...]:
         """Its imports and classes, wherever they stand: of one walk, which takes long."""
-        return tuple(node for node in ast.walk(self.tree) if isinstance(node, ast.Import | ast.ImportFrom | ast.ClassDef))
+        found, waiting = [], list[ast.AST](self.tree.body)
+        while waiting:
+            node = waiting.pop()
+            if isinstance(node, ast.Import | ast.ImportFrom | ast.ClassDef):
+                found.append(node)
+            if not isinstance(node, ast.expr):  # in which none stands
+                waiting += _children(node)
+        return tuple(found)
 
     @cached_property
     def imported(self) -> tuple[ast.Import | ast.ImportFrom, ...]:
@@ -172,11 +179,20 @@ class Callers:
                 found = self._dotted(module, [inner.id, *path])
         if found:
             self.count[found] += 1
-        if not isinstance(
-            node, ast.Name | ast.Constant
-        ):  # most of all nodes, and nothing that could refer to anything is in them
-            for child in ast.iter_child_nodes(node):
-                self._visit(child, module, hidden)
+        for child in _children(node):
+            self._visit(child, module, hidden)
+
+
+def _children(node: ast.AST) -> list[ast.AST]:
+    """Nodes right within `node`. Most of all nodes are names, constants and contexts, and nothing that could refer is in them."""
+    found: list[ast.AST] = []
+    for name in () if isinstance(node, ast.Name | ast.Constant) else node._fields:
+        value = getattr(node, name, None)
+        if isinstance(value, list):
+            found += [one for one in value if isinstance(one, ast.AST)]
+        elif isinstance(value, ast.AST) and not isinstance(value, ast.expr_context | ast.operator | ast.cmpop):
+            found.append(value)
+    return found
 
 
 def _locals(function: Function | ast.Lambda) -> set[str]:
@@ -189,7 +205,7 @@ def _locals(function: Function | ast.Lambda) -> set[str]:
             names.add(node.name)
         elif not isinstance(node, ast.Lambda):
             names |= {node.id} if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load) else set()
-            waiting += ast.iter_child_nodes(node)
+            waiting += _children(node)
     return names
 
 
