@@ -14,8 +14,7 @@ from rich.table import Table
 from fem.damping import DEFAULT_RATIO
 from fem.exudyn.linear import BASE, Linearised, MainSystem, extrapolated, frequencies
 from fem.exudyn.run import ORDER_OF_SIX, ExudynInertia, finite, running
-from fem.modes import Modes, fixed_base
-from fem.reduction import static_shapes
+from fem.modes import Modes, fixed_base, static_shapes
 from fem.solid.model import structure as solid_of
 from fem.structure import Sparse, Structure, restricted
 from geometry.article import Article, Box, Part, Shape, material, upright
@@ -28,7 +27,7 @@ from geometry.inertia import Inertia
 # Full sparse stiffness and mass go into exudyn's `FEMinterface`; the modes are found there with all held nodes as one rigid
 # interface, which is the body's frame. `ObjectFFRFreducedOrder` then moves it through any motion however large, and exudyn's
 # linearisation of that body on its frame gives frequencies and dynamic mass. The static answers to six accelerations of the base
-# stand beside the modes as further ones (`fem.reduction.static_shapes`).
+# stand beside the modes as further ones (`fem.modes.static_shapes`).
 
 LARGEST = 100_000
 """Degrees of freedom beyond which exudyn's factorisations, three by SuperLU, take hours and the memory of a large machine."""

@@ -13,7 +13,7 @@ from scipy.sparse import csr_array, eye_array, kron
 from fem import factorisers
 from fem.base_excitation.patterns import BaseMotion
 from fem.exudyn.linear import Linearised
-from fem.reduction import Reduced
+from fem.modes import Reduced
 from fem.structure import Structure, rigid_motion
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem import reduction
 from fem.beam import articles
 from fem.beam.articles import Joint, Port
 from fem.beam.elements import Section, rectangle, sandwich
@@ -24,8 +23,7 @@ from fem.exudyn import frame, linear
 from fem.exudyn.frame import refined
 from fem.exudyn.linear import extrapolated, linearise
 from fem.exudyn.run import exudyn_version, is_interruption, kept, quiet, running, to_exudyn
-from fem.modes import Modes, fixed_base
-from fem.reduction import Reduced
+from fem.modes import Modes, Reduced, craig_bampton, fixed_base
 from geometry.article import material
 from geometry.articles import built_in
 from geometry.articles.parts import load
@@ -242,7 +240,7 @@ def test_no_mode_at_all_and_an_unknown_article_are_refused_before_exudyn_starts(
 @pytest.fixture(scope="module", params=["clumod-1", "clumod-4"])
 def ours(request: pytest.FixtureRequest) -> Reduced:
     structure = articles.structure(request.param)
-    return reduction.of_modes(fixed_base(structure, COUNT), structure.rigid)
+    return craig_bampton(fixed_base(structure, COUNT), structure.rigid)
 
 
 def test_reduced_matrices_in_exudyn_have_our_frequencies_and_dynamic_mass(ours: Reduced, condensed: Callable[..., Array]) -> None:

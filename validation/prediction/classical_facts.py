@@ -34,8 +34,8 @@ from validation.model.model import Added, Model
 from validation.model.setups import FMD, above_fmd
 from validation.prediction import effects as prediction_effects
 from validation.prediction import mounting
-from validation.prediction.effects import full
 from validation.prediction.mounting import drawn_inertia, mounted_article
+from validation.prediction.tangents import full
 
 if TYPE_CHECKING:
     from uncertainties import UFloat

@@ -26,8 +26,9 @@ from validation.estimation.problem import IDENTIFIED, Offsets, Parameter, Wanted
 from validation.model.model import Added
 from validation.model.tolerance_classes import MountingTolerances
 from validation.prediction import effects as prediction_effects
-from validation.prediction.effects import FIELDS, Nuisances, Tangent
+from validation.prediction.effects import Nuisances
 from validation.prediction.mounting import MountedArticle
+from validation.prediction.tangents import FIELDS, Tangent, with_damping_law
 
 FEW = 3
 """Up to so many coordinates a sum of outer products is the quicker way."""
@@ -754,7 +755,7 @@ def structure(
     matrices, tangents = of.at(offsets, derivatives=derivatives)
     matrices, tangents = prediction_effects.structure(matrices, tangents, effects, derivatives=derivatives)
     if laws := of.laws:
-        matrices, tangents = prediction_effects.with_damping_law(
+        matrices, tangents = with_damping_law(
             matrices, tangents, of.nominal, offsets, derivatives=every, laws=laws, coupling=of.coupling(offsets)[0]
         )
     return matrices, {name: change for name, change in tangents.items() if is_wanted(name, derivatives)}

@@ -30,7 +30,8 @@ from validation.model.model import Added
 from validation.prediction import dynamic_mass, points, series
 from validation.prediction import effects as prediction_effects
 from validation.prediction.dynamic_mass import AttachedResponse, Finite, structure
-from validation.prediction.effects import Nuisances, Tangent
+from validation.prediction.effects import Nuisances
+from validation.prediction.tangents import Tangent
 
 FORCE_CHANNEL = "force"
 FORCE = f"force-gain:{FORCE_CHANNEL}"

@@ -13,8 +13,7 @@ from scipy.sparse import csr_array
 from fem import damping as fem_damping
 from fem.damping import Damping, default_damping, symmetric
 from fem.factorisers import Factor, factorise
-from fem.modes import Modes, floating_shift, lowest
-from fem.reduction import static_shapes
+from fem.modes import Modes, floating_shift, lowest, static_shapes
 from fem.structure import LOOSE, Carrier, HeldBase, Sparse, Structure, hold, place_rows, position_of, restricted
 from geometry.article import Article
 from geometry.errors import BadInput, CheckFailed
@@ -32,7 +31,7 @@ from validation.flexible.modes import displacement
 #                                                               |   L^T    1 |
 #
 # Beside the kept modes Phi holds static answers of the structure, orthonormal to them in the mass: to accelerations of the base,
-# so that the residual mass of the truncated modes needs no term of its own (`fem.reduction`), and to the elastic forces of
+# so that the residual mass of the truncated modes needs no term of its own (`fem.modes`), and to the elastic forces of
 # every part in the modes of the band, so that a part that is softer, stiffer or lossier than drawn bends the modes as it bends
 # those of the structure itself (Kirsch, AIAA Journal 29, 1991: the first terms of the series in K^-1 dK are the basis of a
 # reanalysis). Structural damping stays what it is, S = sum of eta_p K_p beside K; places and parts see all coordinates.

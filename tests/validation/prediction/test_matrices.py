@@ -19,7 +19,7 @@ from geometry.routes import inertia
 from validation.effects.stages import Matrices
 from validation.prediction import dynamic_mass, mounting
 from validation.prediction import structure as prediction_structure
-from validation.prediction.effects import FIELDS, Tangent, crossed, full, of_arrays, plus
+from validation.prediction.tangents import FIELDS, Tangent, crossed, full, of_arrays, plus
 
 LINES = np.linspace(4.0, 32.0, 57)
 ARTICLES = ("clumod-1", "clumod-4", "disc+cuboid")

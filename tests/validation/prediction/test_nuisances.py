@@ -16,6 +16,7 @@ from validation.model.model import Added, StructureTolerances
 from validation.prediction import dynamic_mass, effects
 from validation.prediction import structure as prediction_structure
 from validation.prediction.effects import Nuisances
+from validation.prediction.tangents import DAMPING_LAW, LOSS_COUPLING, full, with_damping_law
 
 LINES = np.array([5.0, 11.5, 12.4, 28.0])
 
@@ -48,7 +49,7 @@ def test_every_derivative_is_its_difference(one):
     at = away(one)
     m, tangents = one.at(at)
     found = dynamic_mass.transfer_tangents(dynamic_mass.dynamic_mass(m, LINES), tangents)
-    own = [parameter for parameter in one.parameters if parameter.name != effects.DAMPING_LAW]  # which acts behind effects
+    own = [parameter for parameter in one.parameters if parameter.name != DAMPING_LAW]  # which acts behind effects
     assert set(found) == {parameter.name for parameter in own}
     for parameter in own:
         step = 1e-4 * parameter.tolerance
@@ -94,10 +95,10 @@ def test_a_part_that_loses_more_than_the_others_may_couple_no_modes_though_all_w
     one = made("clumod-1", None)
     of = replace(one, tolerances=replace(one.tolerances, loss_coupling=0.5))
     assert len({of.losses[part] for part in of.lossy}) == 1
-    assert effects.LOSS_COUPLING in {each.name for each in of.parameters}
+    assert LOSS_COUPLING in {each.name for each in of.parameters}
     lossier = Added(named=parse("structural-damping:mast=0.03"))
     (coupled, _), (alone, _) = (
-        dynamic_mass.structure(of, {effects.DAMPING_LAW: 0.0, effects.LOSS_COUPLING: share}, (lossier,), derivatives=False)
+        dynamic_mass.structure(of, {DAMPING_LAW: 0.0, LOSS_COUPLING: share}, (lossier,), derivatives=False)
         for share in (0.0, 1.0)
     )
     own = slice(of.nominal.base, of.nominal.base + 5)
@@ -119,7 +120,7 @@ def test_a_mode_that_loses_more_than_its_parts_say_loses_more_of_what_an_effect_
     step = 1e-4
     above, below = (dynamic_mass.structure(of, {**at, r: at[r] + x}, lossier, derivatives=False)[0] for x in (step, -step))
     for name in ("structural", "viscous"):
-        told = effects.full(tangents[r], name, len(found.mass))
+        told = full(tangents[r], name, len(found.mass))
         change = (getattr(above, name) - getattr(below, name)) / (2 * step)
         assert_allclose(told, change, atol=1e-6 * np.abs(change).max())
 
@@ -224,7 +225,7 @@ def test_a_stated_damping_ratio_stays_when_a_modulus_moves_the_frequency_and_a_h
     found = effects.nuisances("clumod-1", still.matrices, still.frequency, structure.loss_factors, highest=20.0)
     assert not any(parameter.name.startswith("participation") for parameter in found.parameters)
     m, tangents = found.at({"frequency:clumod-1:1": 1e-3})
-    assert {*tangents, effects.DAMPING_LAW} == {parameter.name for parameter in found.parameters}
+    assert {*tangents, DAMPING_LAW} == {parameter.name for parameter in found.parameters}
     assert m.stiffness[0, 0] > still.matrices.stiffness[0, 0]
 
 
@@ -235,8 +236,8 @@ def of():
 
 def answered(of, share, lines, apart=0.0):
     made, tangents = of.at({})
-    laws = {effects.DAMPING_LAW: share, effects.LOSS_COUPLING: apart}
-    changed, behind = effects.with_damping_law(made, tangents, of.nominal, laws, derivatives=True)
+    laws = {DAMPING_LAW: share, LOSS_COUPLING: apart}
+    changed, behind = with_damping_law(made, tangents, of.nominal, laws, derivatives=True)
     return dynamic_mass.dynamic_mass(changed, lines), behind
 
 
@@ -255,13 +256,13 @@ def test_its_derivative_and_those_behind_it_are_differences(of):
     here, behind = answered(of, share, lines)
     slopes = dynamic_mass.transfer_tangents(here, behind)
     above, below = (answered(of, share + side * step, lines)[0].matrix for side in (1, -1))
-    scale = np.abs(slopes[effects.DAMPING_LAW]).max()
-    assert_allclose(slopes[effects.DAMPING_LAW], (above - below) / (2 * step), atol=1e-6 * scale)
+    scale = np.abs(slopes[DAMPING_LAW]).max()
+    assert_allclose(slopes[DAMPING_LAW], (above - below) / (2 * step), atol=1e-6 * scale)
     for name in ("loss:mast", "modulus:mast"):
         sides = []
         for side in (1, -1):
             made, _ = of.at({name: side * step})
-            changed, _ = effects.with_damping_law(made, {}, of.nominal, {effects.DAMPING_LAW: share}, derivatives=False)
+            changed, _ = with_damping_law(made, {}, of.nominal, {DAMPING_LAW: share}, derivatives=False)
             sides.append(dynamic_mass.dynamic_mass(changed, lines).matrix)
         assert_allclose(slopes[name], (sides[0] - sides[1]) / (2 * step), atol=1e-4 * np.abs(slopes[name]).max(), err_msg=name)
 
@@ -269,19 +270,19 @@ def test_its_derivative_and_those_behind_it_are_differences(of):
 def test_without_coupling_every_mode_loses_by_itself_and_the_derivatives_know_it(of):
     """Nothing is left beside the diagonal of what parts lose; and on the way there slopes are differences."""
     made, _ = of.at({})
-    apart, _ = effects.with_damping_law(made, {}, of.nominal, {effects.LOSS_COUPLING: 1.0}, derivatives=False)
+    apart, _ = with_damping_law(made, {}, of.nominal, {LOSS_COUPLING: 1.0}, derivatives=False)
     assert_allclose(apart.structural, np.diag(np.diag(made.structural)))
     lines, step, at = np.array([5.0, 11.6, 14.0]), 0.02, {"share": 0.3, "apart": 0.4}  # one blade: there is little to couple
     here, behind = answered(of, lines=lines, **at)
     slopes = dynamic_mass.transfer_tangents(here, behind)
-    for name, key in ((effects.LOSS_COUPLING, "apart"), (effects.DAMPING_LAW, "share")):
+    for name, key in ((LOSS_COUPLING, "apart"), (DAMPING_LAW, "share")):
         above, below = (answered(of, lines=lines, **at | {key: at[key] + side * step})[0].matrix for side in (1, -1))
         assert_allclose(slopes[name], (above - below) / (2 * step), atol=2e-3 * np.abs(slopes[name]).max(), err_msg=name)
-    laws, step = {effects.DAMPING_LAW: 0.3, effects.LOSS_COUPLING: 0.4}, 1e-4
+    laws, step = {DAMPING_LAW: 0.3, LOSS_COUPLING: 0.4}, 1e-4
     sides = []
     for side in (1, -1):
         made, _ = of.at({"loss:mast": side * step})
-        changed, _ = effects.with_damping_law(made, {}, of.nominal, laws, derivatives=False)
+        changed, _ = with_damping_law(made, {}, of.nominal, laws, derivatives=False)
         sides.append(dynamic_mass.dynamic_mass(changed, lines).matrix)
     difference, scale = (sides[0] - sides[1]) / (2 * step), np.abs(slopes["loss:mast"]).max()
     assert_allclose(slopes["loss:mast"], difference, atol=1e-4 * scale)
@@ -293,7 +294,7 @@ def test_what_couples_two_modes_follows_the_law_by_which_they_lose(share):
     one = made("clumod-1", None)
     one = replace(one, tolerances=replace(one.tolerances, loss_coupling=0.5), losses={**one.losses, "mast": 0.03})
     (r, s), b = one.pairs[0], one.nominal.base
-    at = {f"coupling:clumod-1:{r + 1}:{s + 1}": 0.2, effects.DAMPING_LAW: share, effects.LOSS_COUPLING: 1.0}
+    at = {f"coupling:clumod-1:{r + 1}:{s + 1}": 0.2, DAMPING_LAW: share, LOSS_COUPLING: 1.0}
     found, _ = dynamic_mass.structure(one, at, (), derivatives=False)
     of, none = (found.viscous, found.structural) if share else (found.structural, found.viscous)
     assert_allclose(of[b + r, b + s], 0.2 * np.sqrt(of[b + r, b + r] * of[b + s, b + s]), rtol=1e-9)
@@ -301,9 +302,9 @@ def test_what_couples_two_modes_follows_the_law_by_which_they_lose(share):
 
 
 def test_it_is_open_where_parts_lose_something_and_one_for_all_structures(of):
-    (law,) = (one for one in of.parameters if one.name == effects.DAMPING_LAW)
+    (law,) = (one for one in of.parameters if one.name == DAMPING_LAW)
     assert law.tolerance == of.tolerances.damping_law
     assert (law.low, law.high) == (0.0, 1.0)  # beyond, and with less than no loss, a structure would be driven by itself
     assert {one.low for one in of.parameters if one.family == "loss"} == {-1.0}
     bare = effects.nuisances("clumod-1", of.nominal, of.frequency, {})
-    assert effects.DAMPING_LAW not in {one.name for one in bare.parameters}
+    assert DAMPING_LAW not in {one.name for one in bare.parameters}
