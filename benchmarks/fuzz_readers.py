@@ -30,8 +30,8 @@ from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.sensors import Channel, ChannelTable, Place
 from identification import test_file
-from identification.campaign import Campaign, Excitation, Processing, Recording, Run
-from identification.campaign_file import Problems, parse, recording, text
+from identification.campaign import Campaign, Excitation, Processing, Recording, Run, recording
+from identification.campaign_file import Problems, parse, text
 from identification.files import csv, files, hdf5, mat, uff
 from identification.files.files import Signals
 from identification.modal_table import ModalTable

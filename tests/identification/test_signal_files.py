@@ -18,7 +18,7 @@ from scipy.sparse import csc_array
 from benchmarks import fuzz_readers
 from benchmarks.fuzz_readers import TARGETS, Target, write_mat_v73
 from geometry.errors import BadInput
-from identification.campaign_file import recording
+from identification.campaign import recording
 from identification.files import csv, files, hdf5, mat, uff
 from identification.files.files import Signals, StatedUnits, variable
 
