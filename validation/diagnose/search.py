@@ -696,12 +696,14 @@ deviation. By definition."""
 
 def reduction_error(data: Study, at: Candidate) -> tuple[Study, float]:
     """`data` over coordinates that hold how the whole structures swing with the effects of `at`, and how much worse or better
-    they explain the data [nats] than those that there are say.
+    they explain the data [nats] than those that there are say: 0 where nothing is reduced.
 
     Raises
     ------
     CheckFailed : as `swinging_with`.
     """
+    if not at.effects or all(one.structure is None or one.structure.reduced is None for one in data.predictions):
+        return data, 0.0
     ready = data.over(partial(swinging_with, effects=at.effects))
     costs = (cost_of(one.problem(at.effects), at.fit.parameters, FLOOR, at.fit.by_name) for one in (data, ready))
     try:
@@ -714,7 +716,7 @@ def reduction_error(data: Study, at: Candidate) -> tuple[Study, float]:
 def reduced_anew(data: Study, at: Candidate) -> tuple[Study, Candidate]:
     """`at`, fitted on over coordinates of its own where data tell what those that there are err by, and the study with these."""
     with suppress(CheckFailed):  # where part of it swings freely, or the model breaks down there: what is left of it is said
-        for _ in range(MOVES if data.tests and at.effects else 0):
+        for _ in range(MOVES):
             ready, error = reduction_error(data, at)
             if error < TOLD:
                 break
@@ -725,7 +727,7 @@ def reduced_anew(data: Study, at: Candidate) -> tuple[Study, Candidate]:
 def left_of_reduction(data: Study, at: Candidate) -> list[str]:
     """A sentence where data tell what the coordinates of `at` err by, or nobody knows it."""
     try:
-        error = reduction_error(data, at)[1] if data.tests and at.effects else 0.0
+        error = reduction_error(data, at)[1]
     except CheckFailed as failed:
         return [f"how far the reduced structure is off with {' and '.join(_ids(at))} is not known: {failed}"]
     said = f"the structure as it was reduced is {nats(error)} nats off what the whole one does with {' and '.join(_ids(at))}"

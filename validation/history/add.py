@@ -13,7 +13,7 @@ from geometry.errors import BadInput, CheckFailed
 from identification.campaign import Campaign
 from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, Named
-from validation.effects.effect import MISTAKE, SizeSpec, Vocabulary
+from validation.effects.effect import SizeSpec, Vocabulary
 from validation.estimation import evaluate, verdicts
 from validation.estimation import problem as estimation
 from validation.estimation.fit import start
@@ -490,8 +490,8 @@ def added(study: Study, asked: AddedEffectOptions, progress: Progress | None = N
     try:
         at, known = grounded(at, study, tell)
     except CheckFailed as failed:
-        # A mistake may be taken out of data that nothing fits with it: the rung below has no figures then
-        if FAMILIES[effect.named.family].side != MISTAKE or (at.rung is not None and at.rung.errors is not None):
+        # What is missing, or a mistake in the data, may be why nothing fits without it: the rung below has no figures then
+        if at.rung is not None and at.rung.errors is not None:
             raise
         at = history.kept(at, replace(history.next_rung(at), settings=_settings(study.model)))
         known = (f"the model before cannot be fitted to these data, and its rung has no figures: {failed}",)

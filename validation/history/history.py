@@ -510,7 +510,7 @@ def conditions(at: HistoryPosition) -> Iterator[str]:
         yield f"{at.path.name} was edited by hand since rung {at.below.number}; the next `massline add` makes a rung of it."
     for one in at.ladder.rungs:
         if one.errors is None:
-            yield f"Rung {one.number} was put aside before it was held against data."
+            yield f"Rung {one.number} has no figures: it was put aside before it was held against data, or no fit converged."
 
 
 def history_position(path: Path) -> HistoryPosition:

@@ -30,7 +30,7 @@ class StructureTolerances:
     damping : of every part's loss factor, or of the logarithm of every mode's damping where that is given by mode
     mode_damping : of the logarithm of every mode's damping beside the loss factors of the parts
     damping_law : share of what parts lose that follows the velocity instead of the displacement
-    loss_coupling : share of what they couple modes by that is not there
+    loss_coupling : share of what they couple modes by that is not there, or losses told by mode once an effect turns the modes
     participation : of every mode's participation, along each axis, as a share of its largest
     mode_coupling : of the damping that couples two modes, as a share of the geometric mean of theirs
     """

@@ -28,7 +28,7 @@ from validation.model.tolerance_classes import MountingTolerances
 from validation.prediction import effects as prediction_effects
 from validation.prediction.effects import Nuisances
 from validation.prediction.mounting import MountedArticle
-from validation.prediction.tangents import FIELDS, Tangent, with_damping_law
+from validation.prediction.tangents import FIELDS, LOSS_COUPLING, Tangent, full, with_damping_law, with_losses_by_mode
 
 FEW = 3
 """Up to so many coordinates a sum of outer products is the quicker way."""
@@ -751,13 +751,18 @@ def structure(
     of: Nuisances, offsets: Offsets, effects: Sequence[Added], *, derivatives: Wanted
 ) -> tuple[Matrices, dict[str, Tangent]]:
     """The matrices of the structure at `offsets`, effects on it applied, and how they change."""
-    every = bool(derivatives)
-    matrices, tangents = of.at(offsets, derivatives=derivatives)
-    matrices, tangents = prediction_effects.structure(matrices, tangents, effects, derivatives=derivatives)
+    every, (structural, viscous) = bool(derivatives), of.coupling(offsets)
+    drawn, changes = of.at(offsets, derivatives=derivatives)
+    matrices, tangents = prediction_effects.structure(drawn, changes, effects, derivatives=derivatives)
     if laws := of.laws:
         matrices, tangents = with_damping_law(
-            matrices, tangents, of.nominal, offsets, derivatives=every, laws=laws, coupling=of.coupling(offsets)[0]
+            matrices, tangents, of.nominal, offsets, derivatives=every, laws=laws, coupling=structural
         )
+    if LOSS_COUPLING in laws and (told := drawn.viscous - viscous).any():
+        share, size = offsets.get(LOSS_COUPLING, 0.0), len(told)
+        own = {name: one for name, one in changes.items() if share and one.viscous.any() and not name.startswith("coupling:")}
+        moved = {name: full(one, "viscous", size) for name, one in own.items()}
+        matrices, tangents = with_losses_by_mode(matrices, tangents, told, moved, share, derivatives=every)
     return matrices, {name: change for name, change in tangents.items() if is_wanted(name, derivatives)}
 
 

@@ -22,7 +22,19 @@ from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicM
 from validation.estimation.problem import DECLARED, EFFECT, STRUCTURAL, WITHIN, Offsets, Parameter, Wanted, is_wanted
 from validation.model.model import Added, StructureTolerances
 from validation.prediction.structure import HIGHEST, ReducedStructure, sheet
-from validation.prediction.tangents import DAMPING_LAW, FIELDS, LAWS, LOSS_COUPLING, Tangent, between, crossed, of_arrays, plus
+from validation.prediction.tangents import (
+    DAMPING_LAW,
+    FIELDS,
+    LAWS,
+    LOSS_COUPLING,
+    NEIGHBOURS,
+    SOFTEST,
+    Tangent,
+    between,
+    crossed,
+    of_arrays,
+    plus,
+)
 
 # What a model declares to know of a structure only within tolerances: moduli, frequencies, damping, participation, coupling.
 #
@@ -49,10 +61,6 @@ from validation.prediction.tangents import DAMPING_LAW, FIELDS, LAWS, LOSS_COUPL
 # effects add to the same matrix, and only in a straight valley between the two does a fit find the lowest point. Where damping
 # is given by mode there is nothing else to move, and the modes have it all.
 
-NEIGHBOURS = 0.1
-"""Greatest distance of two frequencies, as a share of the higher one, at which the damping of one mode is taken to pull at the
-other: beyond it their resonances do not overlap, and the coupling is of second order in the damping."""
-
 ASSUMED = (
     f"nobody states what the structure loses: {100 * DEFAULT_RATIO:g} % of critical in every mode is assumed, within a factor of "
     f"{ASSUMED_WITHIN:g}; `loss_factor` of the model or of its parts states it"
@@ -78,9 +86,6 @@ tests/validation/prediction/test_nuisances.py."""
 TURNED = 1e-3
 """[share of one mode's shape in another's] that a mesh may leave unsure unsaid: where the other hardly moves, its resonance
 raises it fiftyfold. Held by tests/validation/prediction/test_structure_tests.py."""
-
-SOFTEST = 1e-9
-"""[share of the stiffest coordinate's stiffness] below which one moves without strain. By definition."""
 
 FINE_MESH = 0.1
 """[tolerance of a frequency] below which what a mesh leaves unsure of every mode is no parameter: it adds half a per cent to the
@@ -216,11 +221,11 @@ class Nuisances:
 
     @property
     def laws(self) -> tuple[str, ...]:
-        """Of `LAWS` what is open of the losses of its parts, see `with_damping_law`: one loss factor of all couples nothing, but
-        beside an effect on one part; that is counted where a base drives."""
+        """Of `LAWS` what is open of its losses, see `with_damping_law` and `with_losses_by_mode`: one loss factor of all couples
+        nothing, but beside an effect on one part; that is counted where a base drives."""
         known = (self.tolerances.damping_law, self.tolerances.loss_coupling)
         factors = len(self.lossy if self.nominal.base else {self.losses[part] for part in self.lossy})
-        least = {DAMPING_LAW: 1, LOSS_COUPLING: 2}
+        least = {DAMPING_LAW: 1, LOSS_COUPLING: 0 if not all(self.by_parts) else 2}
         return tuple(law for law, tolerance in zip(LAWS, known, strict=True) if factors >= least[law] and tolerance > 0)
 
     @cached_property

@@ -106,6 +106,8 @@ DAMPING_LAW = "damping-law"
 # Nor does anybody know whether they couple modes. What parts lose does, as S has entries beside its diagonal; what joints and air
 # lose beside them, in any shape, is told by mode alone and called classical (T. K. Caughey and M. E. J. O'Kelly, J. Applied
 # Mechanics 32 (1965), 583). So a share c of what lies beside the diagonal of the modes is taken away: S_rs' = (1 - c) S_rs.
+# And what is told by mode couples the modes that an effect turns, unless a real structure's are classical again: of these modes
+# as they stand, C_rs' = (1 - c w_rs) C_rs, w from 0 of neighbours, whose coupling has a number of its own, to 1 beyond them.
 
 LOSS_COUPLING = "loss-coupling"
 """Of the share that is not there; one for all structures of a series."""
@@ -168,3 +170,59 @@ def with_damping_law(
         found[LOSS_COUPLING] = of_arrays(len(W), structural=less * kept, viscous=turning * less)
     left = matrices.structural * kept
     return replace(matrices, structural=left, viscous=matrices.viscous + share * turned), found
+
+
+NEIGHBOURS = 0.1
+"""Greatest distance of two frequencies, as a share of the higher one, at which the damping of one mode is taken to pull at the
+other: beyond it their resonances do not overlap, and the coupling is of second order in the damping."""
+
+SOFTEST = 1e-9
+"""[share of the stiffest coordinate's stiffness] below which one moves without strain. By definition."""
+
+
+def with_losses_by_mode(
+    matrices: Matrices,
+    tangents: Mapping[str, Tangent],
+    told: Array,
+    moved: Mapping[str, Array],
+    share: float,
+    *,
+    derivatives: bool,
+) -> tuple[Matrices, dict[str, Tangent]]:
+    """`matrices` without a `share` of what the losses that are `told` by mode (n, n) couple the modes by as they stand now, their
+    `tangents` behind it, and that by the share; `moved` (n, n) are the derivatives of `told` by parameter."""
+    found, own = dict(tangents), np.flatnonzero(np.diag(told))
+    at, size = np.ix_(own, own), len(matrices.mass)
+    heavy, axes = np.linalg.eigh(matrices.mass[at])
+    root = axes / np.sqrt(np.maximum(heavy, SOFTEST * heavy[-1]))
+    squares, turned = np.linalg.eigh(root.T @ matrices.stiffness[at] @ root)
+    shapes = root @ turned
+    back, lost = np.linalg.inv(shapes), shapes.T @ told[at] @ shapes
+    gap, both = squares - squares[:, None], np.maximum(squares + squares[:, None], LIGHTEST)
+    apart = gap / both
+    weight = apart**2 / (apart**2 + NEIGHBOURS**2)
+
+    def placed(inner: Array) -> Tangent:
+        viscous = np.zeros((size, size))
+        viscous[at] = -back.T @ inner @ back
+        return of_arrays(size, viscous=viscous)
+
+    coupled = weight * lost
+    away = placed(coupled)
+    for name, tangent in tangents.items() if share else ():
+        mass, stiffness = (shapes.T @ full(tangent, field, size)[at] @ shapes for field in ("mass", "stiffness"))
+        more = shapes.T @ moved[name][at] @ shapes if name in moved else np.zeros_like(lost)
+        if not (mass.any() or stiffness.any() or more.any()):
+            continue
+        # First-order perturbation (Fox & Kapoor 1968); modes that are one for rounding turn into each other by nothing
+        Z = np.divide(stiffness - mass * squares, gap, out=np.zeros_like(gap), where=np.abs(apart) > SOFTEST)
+        np.fill_diagonal(Z, -np.diag(mass) / 2)
+        grown = np.diag(stiffness) - squares * np.diag(mass)
+        parted = 2 * (squares[:, None] * grown - squares * grown[:, None]) / both**2
+        inner = 2 * NEIGHBOURS**2 * apart * parted / (apart**2 + NEIGHBOURS**2) ** 2 * lost
+        inner += weight * (more + Z.T @ lost + lost @ Z) - Z.T @ coupled - coupled @ Z
+        less = placed(share * inner)
+        found[name] = replace(plus(tangent, less, size), parts=tangent.parts, lossier=tangent.lossier)
+    if derivatives:
+        found[LOSS_COUPLING] = plus(found[LOSS_COUPLING], away, size) if LOSS_COUPLING in found else away
+    return replace(matrices, viscous=matrices.viscous + share * full(away, "viscous", size)), found

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.linalg import eigh
 
 from fem.beam import articles
 from fem.damping import Damping
@@ -16,7 +17,7 @@ from validation.model.model import Added, StructureTolerances
 from validation.prediction import dynamic_mass, effects
 from validation.prediction import structure as prediction_structure
 from validation.prediction.effects import Nuisances
-from validation.prediction.tangents import DAMPING_LAW, LOSS_COUPLING, full, with_damping_law
+from validation.prediction.tangents import DAMPING_LAW, LOSS_COUPLING, Tangent, full, with_damping_law
 
 LINES = np.array([5.0, 11.5, 12.4, 28.0])
 
@@ -286,6 +287,42 @@ def test_without_coupling_every_mode_loses_by_itself_and_the_derivatives_know_it
         sides.append(dynamic_mass.dynamic_mass(changed, lines).matrix)
     difference, scale = (sides[0] - sides[1]) / (2 * step), np.abs(slopes["loss:mast"]).max()
     assert_allclose(slopes["loss:mast"], difference, atol=1e-4 * scale)
+
+
+def test_modes_that_an_effect_turns_lose_each_by_itself_or_what_they_lost_before_and_the_derivatives_know_it():
+    """Losses that are told by mode: 60 g on a satellite's boom were a resonator of a gram as well, since its modes had turned."""
+    one = made("clumod-4", Damping(ratio=0.01))
+    of = replace(one, tolerances=replace(one.tolerances, loss_coupling=0.5), weighed=0.0)
+    name, (r, s) = LOSS_COUPLING, of.pairs[0]
+    assert name in {each.name for each in of.parameters}
+    softer = (Added(named=parse("modulus:upper-long=-0.4"), fixed=False),)
+    (as_before, _), (apart, _) = (dynamic_mass.structure(of, {name: at}, softer, derivatives=False) for at in (0.0, 1.0))
+    assert_allclose(as_before.viscous, of.nominal.viscous)
+    told = slice(of.nominal.base, of.nominal.base + 20)
+    squares, shapes = eigh(as_before.stiffness[told, told], as_before.mass[told, told])
+    before, after = (shapes.T @ each.viscous[told, told] @ shapes for each in (as_before, apart))
+    f = np.sqrt(squares)
+    beyond = np.abs(f - f[:, None]) > 0.3 * np.maximum(f, f[:, None])
+    assert_allclose(np.diag(after), np.diag(before), rtol=1e-9)
+    assert np.abs(after[beyond]).max() < 0.1 * np.abs(before[beyond]).max()
+    coupled = {f"coupling:clumod-4:{r + 1}:{s + 1}": 0.3, "damping:clumod-4:2": 0.2, "frequency:clumod-4:1": 0.01, name: 0.6}
+    at = {**coupled, "modulus:mast": 0.02, DAMPING_LAW: 0.0}
+
+    def answer(offsets: dict[str, float], **sized: float) -> tuple[dynamic_mass.CondensedTransfer, dict[str, Tangent]]:
+        added = (replace(softer[0], named=replace(softer[0].named, values={"": sized.get("size", -0.4)})),)
+        found, tangents = dynamic_mass.structure(of, offsets, added, derivatives=True)
+        return dynamic_mass.dynamic_mass(found, LINES), tangents
+
+    here, tangents = answer(at)
+    slopes, step = dynamic_mass.transfer_tangents(here, tangents), 1e-4
+    for key in at if DAMPING_LAW in slopes else [key for key in at if key != DAMPING_LAW]:
+        above, below = (answer({**at, key: at[key] + side * step})[0].matrix for side in (1, -1))
+        assert_allclose(slopes[key], (above - below) / (2 * step), atol=1e-4 * np.abs(slopes[key]).max(), err_msg=key)
+    size = next(key for key in slopes if key == "modulus:upper-long" or key.startswith("modulus:upper-long["))
+    above, below = (answer(at, size=-0.4 + side * step)[0].matrix for side in (1, -1))
+    by_size = (above - below) / (2 * step)
+    scale = np.vdot(slopes[size], by_size).real / np.vdot(slopes[size], slopes[size]).real
+    assert_allclose(scale * slopes[size], by_size, atol=1e-4 * np.abs(by_size).max())
 
 
 @pytest.mark.parametrize("share", [0.0, 1.0])
