@@ -23,7 +23,7 @@ from geometry.frames import Array
 from identification import test_file
 from identification.files import files
 from validation import output
-from validation.compare.maps import NamedMode
+from validation.compare.correlation import NamedMode
 from validation.diagnose.reduction_errors import MULTIPLE, ReductionErrors, reduction_errors
 from validation.flexible.dynamic_mass import UNITS, Curves
 from validation.flexible.model import OWN, Flexible, another_body
