@@ -17,6 +17,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 ROOMS = ("geometry", "fem", "identification", "validation")
+LONG = 800
+"""Lines from which a module is more than one subject."""
+
 FACE = "massline"
 """The package that hands the names of the rooms on to users; no figure counts it."""
 
@@ -225,6 +228,7 @@ def figures(root: Path = ROOT) -> dict[str, float]:
     return {
         "product files": len(house),
         "product lines": lines,
+        "modules over 800 lines": sum(len(one.text.splitlines()) > LONG for one in house.values()),
         "import circles": len(circles(imports(house))),
         "packages of validation": sum(one.package for one in inside),
         "loose modules of validation": sum(not one.package for one in inside),
