@@ -18,7 +18,7 @@ from identification.campaign import Campaign
 from validation.effects.catalogue import parse
 from validation.estimation.problem import Lines, Problem
 from validation.model.model import Added, Model
-from validation.prediction import structure
+from validation.prediction import mounting
 from validation.prediction.series import SeriesPrediction, predictions
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.simulate import simulate
@@ -77,9 +77,9 @@ def differences(of: Sequence[SeriesPrediction]) -> float:
 
 def solved_again() -> None:
     """Modes, reduction and prediction of the three set-ups from the structure on."""
-    structure._made.cache_clear()
+    mounting._made.cache_clear()
     for campaign in campaigns():
-        structure.mounted_article(MODEL, campaign)
+        mounting.mounted_article(MODEL, campaign)
     every(series(), derivatives=False)
 
 

@@ -11,11 +11,11 @@ from functools import partial
 import numpy as np
 
 from benchmarks.ratios import measure, show
-from fem import dynamic_mass, reduction
+from fem import dynamic_mass
 from fem.beam import articles
 from fem.damping import Damping
 from fem.dynamic_mass import LINES
-from fem.modes import fixed_base
+from fem.modes import Reduced, craig_bampton, fixed_base
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
 
@@ -30,10 +30,10 @@ def ways(damping: Damping | None) -> dict[str, Callable[[Array], ComplexArray]]:
     """Every way to the dynamic mass at given lines."""
     structure = articles.structure(ARTICLE)
     modes = fixed_base(structure, COUNT, damping=damping)
-    reduced = reduction.of_modes(modes, structure.rigid)
+    matrices = craig_bampton(modes, structure.rigid)
     return {
         "modal": lambda lines: dynamic_mass.modal(modes, lines).matrix,
-        "pyyeti": lambda lines: by_pyyeti(reduced, lines),
+        "pyyeti": lambda lines: by_pyyeti(matrices, lines),
         "direct": lambda lines: dynamic_mass.direct(structure, lines, damping, modes=modes).matrix,
     }
 
@@ -43,7 +43,7 @@ def deviation(one: ComplexArray, other: ComplexArray) -> str:
     return f"{np.abs(one - other).max() / np.abs(other).max():.1e}"
 
 
-def by_pyyeti(reduced: reduction.Reduced, lines: Array) -> ComplexArray:
+def by_pyyeti(reduced: Reduced, lines: Array) -> ComplexArray:
     """The six columns of H (lines, 6, 6), without residual: pyyeti knows none here."""
     from pyyeti import cb
 

@@ -30,8 +30,8 @@ from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.sensors import Channel, ChannelTable, Place
 from identification import test_file
-from identification.campaign import Campaign, Excitation, Processing, Recording, Run
-from identification.campaign_file import Problems, parse, recording, text
+from identification.campaign import Campaign, Excitation, Processing, Recording, Run, recording
+from identification.campaign_file import Problems, parse, text
 from identification.files import csv, files, hdf5, mat, uff
 from identification.files.files import Signals
 from identification.modal_table import ModalTable
@@ -137,6 +137,24 @@ def _packed_hdf5(path: Path, of: Signals) -> None:
             file.create_dataset(f"channels/{name}", data=samples.astype("f4"), compression="gzip", chunks=(16,))
 
 
+def write_mat_v73(path: Path, of: Signals) -> None:
+    """Write `of` in version 7.3 of MATLAB, with checksums."""
+    import h5py
+
+    with h5py.File(path, "w", userblock_size=mat.V73, libver=("v110", "v110")) as file:
+        for name, numbers in mat.variables_of(of, str(path)).items():
+            rows = np.atleast_2d(np.asarray(numbers))  # MATLAB's n x 1 stands as 1 x n: the last index runs first here
+            if np.iscomplexobj(rows):
+                pairs = np.empty(rows.shape, dtype=[("real", "<f8"), ("imag", "<f8")])
+                pairs["real"], pairs["imag"] = rows.real, rows.imag
+                rows = pairs
+            entry = file.create_dataset(name, data=rows, compression="gzip", fletcher32=True)
+            entry.attrs["MATLAB_class"] = np.bytes_("double")
+    text = b"MATLAB 7.3 MAT-file, written by massline".ljust(116) + b"\0" * 8 + b"\x00\x02IM"
+    with path.open("r+b") as raw:
+        raw.write(text)
+
+
 def _plain_mat(path: Path, of: Signals) -> None:
     from scipy.io import savemat
 
@@ -162,7 +180,7 @@ TARGETS = (
     Target(name="mat v5", ending=".mat", write=mat.write, checked=True),
     Target(name="mat v5, spectra", ending=".mat", write=mat.write, spectra=True, checked=True),
     Target(name="mat v5, not packed", ending=".mat", write=_plain_mat),
-    Target(name="mat v7.3", ending=".mat", write=mat.write_v73, checked=True),
+    Target(name="mat v7.3", ending=".mat", write=write_mat_v73, checked=True),
 )
 
 

@@ -12,22 +12,22 @@ from rich.console import Console
 from rich.table import Table
 
 from fem.damping import DEFAULT_RATIO
-from fem.exudyn.linear import BASE, Linearised, MainSystem, extrapolated, linearise_body
-from fem.exudyn.run import finite, running
-from fem.modes import Modes, fixed_base
-from fem.reduction import static_shapes
+from fem.exudyn.linear import BASE, Linearised, MainSystem, extrapolated, frequencies
+from fem.exudyn.run import ORDER_OF_SIX, ExudynInertia, finite, running
+from fem.modes import Modes, fixed_base, static_shapes
 from fem.solid.model import structure as solid_of
 from fem.structure import Sparse, Structure, restricted
 from geometry.article import Article, Box, Part, Shape, material, upright
 from geometry.errors import BadInput
 from geometry.frames import Array
+from geometry.inertia import Inertia
 
 # A solid as exudyn's flexible body: floating frame of reference, modes by Hurty, Craig and Bampton.
 #
 # Full sparse stiffness and mass go into exudyn's `FEMinterface`; the modes are found there with all held nodes as one rigid
 # interface, which is the body's frame. `ObjectFFRFreducedOrder` then moves it through any motion however large, and exudyn's
 # linearisation of that body on its frame gives frequencies and dynamic mass. The static answers to six accelerations of the base
-# stand beside the modes as further ones (`fem.reduction.static_shapes`).
+# stand beside the modes as further ones (`fem.modes.static_shapes`).
 
 LARGEST = 100_000
 """Degrees of freedom beyond which exudyn's factorisations, three by SuperLU, take hours and the memory of a large machine."""
@@ -183,6 +183,37 @@ def placed(stiffness: npt.ArrayLike, mass: npt.ArrayLike, damping: npt.ArrayLike
         system.AddObject(item)
         system.Assemble()
     return container, system
+
+
+def from_exudyn(body: ExudynInertia, reference_point: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Inertia:
+    """A `RigidBodyInertia` as `Inertia`; its reference point lies at `reference_point` (3,) [m] of the body's frame."""
+    six = np.asarray(body.GetInertia6D(), dtype=np.float64)[ORDER_OF_SIX]
+    parameters = np.concatenate([[body.Mass()], body.Mass() * np.asarray(body.COM()), six])
+    return Inertia(parameters=parameters, reference_point=np.asarray(reference_point, dtype=np.float64))
+
+
+def linearise_body(system: MainSystem, count: int) -> Linearised:
+    """Let exudyn linearise a `system` without joints whose first six coordinates are its base, and find its lowest `count` modes.
+
+    Raises
+    ------
+    CheckFailed : exudyn failed, a result is not finite, or a mode has no stiffness.
+    """
+    task = "linearise the flexible body"
+    with running(task):
+        mass, stiffness, _damping = system.ComputeLinearizedSystem()
+        # Without a number of modes exudyn returns no shapes at all; with absolute values it makes a frequency of an instability.
+        squares, shapes = system.ComputeODE2Eigenvalues(
+            constrainedCoordinates=list(range(BASE)), numberOfEigenvalues=count, useAbsoluteValues=False
+        )
+    return Linearised(
+        mass=finite(mass, task),
+        stiffness=finite(stiffness, task),
+        constraints=np.zeros((len(mass), 0)),
+        rigid=np.eye(len(mass), BASE),
+        frequency=frequencies(squares, task),
+        shapes=finite(shapes, task),
+    )
 
 
 def linearised(stiffness: npt.ArrayLike, mass: npt.ArrayLike) -> Linearised:

@@ -10,7 +10,7 @@ adds cells; what of their resultants survives the sum is said by `resultants`. L
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from math import inf, radians
 from typing import Any
@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.frames import Array, freeze, frozen, rigid_transformation
 
@@ -320,3 +321,25 @@ class Tolerances:
     def scaled(self, factor: float) -> "Tolerances":
         """All of them times `factor` [1]."""
         return Tolerances(**{one.name: factor * getattr(self, one.name) for one in fields(self)})
+
+
+def coordinates_of(table: Mapping[str, Any], source: str) -> dict[str, list[float]]:
+    """By place its coordinates [m], as numbers or lengths with their unit.
+
+    Raises
+    ------
+    BadInput : what is no three lengths.
+    """
+    stated = toml_file.require_table(table.get("coordinates", {}), source=source, where="coordinates")
+    found = {}
+    for name, three in stated.items():
+        field = f"coordinates.{name}"
+        if not isinstance(three, list) or len(three) != 3:
+            raise BadInput(
+                source=source, field=field, problem=f"must be three lengths, found {three!r}", remedy="Write [0.1, 0.0, 0.2]"
+            )
+        found[str(name)] = [
+            float(toml_file.quantity(one, "length", source=source, field=field).n) if isinstance(one, str) else float(one)
+            for one in three
+        ]
+    return found

@@ -21,8 +21,9 @@ from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose, frozen
 from geometry.inertia import Observability, of_motions, of_resultants
-from geometry.sensors import ChannelTable, motion_rows
+from geometry.sensors import SI, Channel, ChannelTable, motion_rows
 from geometry.toml_file import PLAUSIBLE, nearest
+from identification.files.files import Samples, Signals, variable
 
 # `Recording`: the samples of one run, every channel on one common axis, in SI.
 
@@ -532,3 +533,157 @@ def _copies(campaign: Campaign) -> list[str]:
         if alike:
             found.append(f"runs {a} and {b} are the same recording")
     return found
+
+
+# Signals that cannot be true: NaN, infinite, dead, clipped. One channel at a time, named, with what to do.
+
+FLAT = 3
+"""Samples in a row at the largest value from which a record may be clipped; rounding alone does that near a slow peak, too."""
+
+OVERSHOOT = 4.0
+"""Steps of resolution by which the signal, continued as it arrived, would have passed the flat top: beyond, it was cut off."""
+
+LARGEST_SAMPLE = 1e15
+"""In the unit of the file: numbers whose bytes came in another order are of any size at all."""
+
+
+def require_finite(values: npt.NDArray[Any], name: str, source: str) -> None:
+    """Refuse NaN, infinity, and what no sensor reads in the samples (n,) of a channel.
+
+    Raises
+    ------
+    BadInput : how many there are, and where the first stands.
+    """
+    parts = (values.real, values.imag) if np.iscomplexobj(values) else (values,)
+    if not all(part.min() > -LARGEST_SAMPLE and part.max() < LARGEST_SAMPLE for part in parts if part.size):  # NaN is neither
+        bad = ~np.logical_and.reduce([np.abs(part) < LARGEST_SAMPLE for part in parts])
+        what = "NaN" if np.any(np.isnan(values)) else f"infinite or beyond {LARGEST_SAMPLE:g}, which no sensor reads"
+        problem = (
+            f"holds {int(bad.sum())} samples that are {what}, the first is number {int(np.argmax(bad)) + 1} of {len(values)}"
+        )
+        raise BadInput(source=source, field=name, problem=problem, remedy="Export it again, or repeat the run")
+
+
+def require_alive(values: npt.NDArray[Any], name: str, source: str) -> None:
+    """Refuse a channel whose samples (n,) are all the same.
+
+    Raises
+    ------
+    BadInput : it is constant.
+    """
+    if len(values) and np.all(values == values[0]):
+        problem = f"is dead: all {len(values)} samples are {values[0]:g}"
+        remedy = "Check cable and amplifier, or take the channel out of campaign.toml and of every file"
+        raise BadInput(source=source, field=name, problem=problem, remedy=remedy)
+
+
+def clipped(values: Array) -> int:
+    """How many samples (n,) of a time history lie on a flat top where the signal was cut off; 0 when it was not.
+
+    Rounding to the steps of a converter leaves short flat tops, too, but the signal arrives there slowly. What was cut off
+    arrives at full speed: continued, it would have passed the top by more than `OVERSHOOT` steps.
+    """
+    ends = ((1.0, values == values.max()), (-1.0, values == values.min()))
+    return max((_cut_off(sign * values, at_top) for sign, at_top in ends if np.count_nonzero(at_top) >= FLAT), default=0)
+
+
+def _cut_off(values: Array, at_top: npt.NDArray[np.bool_]) -> int:
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], at_top, [False]]).astype(np.int8)))
+    starts, ends = edges[::2], edges[1::2]
+    long = (ends - starts >= FLAT) & (starts >= 2)
+    starts, ends = starts[long], ends[long]
+    if not len(starts):
+        return 0
+    speed = values[starts - 1] - values[starts - 2]
+    passed = speed * (ends - starts) / 4  # a parabola through the arrival, over the flat stretch
+    # The smallest difference between two different samples: the converter's step, or rounding
+    steps = np.diff(np.unique(values))
+    resolution = float(steps.min()) if len(steps) else 0.0
+    cut = passed > OVERSHOOT * resolution
+    return int(np.sum((ends - starts)[cut]))
+
+
+# From the contents of a signal file to a `Recording`: the channels of the table, each once, in SI.
+
+
+def recording(signals: Signals, table: ChannelTable, toml: str) -> tuple[Recording | None, list[BadInput]]:
+    """The recording in `signals` and what is wrong with it; None where a channel cannot be used.
+
+    `toml` is what the channel table is called in messages.
+    """
+    # Samples by the name of the channel table, and the channels that are missing or too many
+    is_mat = signals.source.lower().endswith(".mat")
+    called: dict[str, str] = {}
+    problems = []
+    for name in table.names:
+        key = variable(name) if is_mat else name
+        if key in called:
+            problem = f"stands for {called[key]!r} and {name!r}: a MAT file cannot tell them apart"
+            problems.append(BadInput(source=signals.source, field=key, problem=problem, remedy="Rename one, or export .h5"))
+        called[key] = name
+    for name in called:
+        if name not in signals.samples:
+            problem = f"the channel {called[name]!r} is missing"
+            like = nearest(name, [other for other in signals.samples if other not in called])
+            remedy = f"{like}Export it, or take it out of campaign.toml"
+            problems.append(BadInput(source=signals.source, field=name, problem=problem, remedy=remedy))
+    for name in signals.samples:
+        if name not in called:
+            remedy = "Add it to campaign.toml as a [[channel]], or leave it out of the file"
+            problem = "this channel is not in campaign.toml"
+            problems.append(BadInput(source=signals.source, field=name, problem=problem, remedy=remedy))
+    samples = {called[name]: values for name, values in signals.samples.items() if name in called}
+    for channel in table.channels:
+        if channel.name in samples:
+            problems += _problems(samples[channel.name], channel, signals, toml)
+    if problems:
+        return None, problems
+    values = np.empty((len(samples[table.names[0]]), len(table.channels)), samples[table.names[0]].dtype, order="F")
+    for k, channel in enumerate(table.channels):  # each in one piece, as all that follows wants it
+        np.multiply(samples[channel.name], factor_of(channel), out=values[:, k])
+    cut = {name: clipped(samples[name].real) for name in table.names}
+    flat = "samples lie on a flat top; raise its range and repeat the run, or leave it out"
+    warnings = (*signals.warnings, *(f"{signals.source}: {name} is clipped: {n} {flat}" for name, n in cut.items() if n))
+    values.setflags(write=False)  # a recording then keeps them as they are
+    made = Recording(
+        names=table.names,
+        values=values,
+        sampling_rate=signals.sampling_rate,
+        frequency=signals.frequency,
+        source=signals.source,
+        warnings=warnings if signals.frequency is None else signals.warnings,
+    )
+    return made, []
+
+
+def factor_of(channel: Channel) -> float:
+    """How many SI units one unit of `channel` is."""
+    return factor(channel.unit, channel.quantity, source="channel", field=channel.name)
+
+
+def _problems(values: Samples, channel: Channel, signals: Signals, toml: str) -> list[BadInput]:
+    found = []
+    if np.iscomplexobj(values) != (signals.frequency is not None):
+        what = "complex" if np.iscomplexobj(values) else "real"
+        problem = f"is {what}, where {'time histories are real' if signals.frequency is None else 'spectra are complex'}"
+        found.append(BadInput(source=signals.source, field=channel.name, problem=problem, remedy="Export it again"))
+    for check in (require_finite, require_alive):
+        try:
+            check(values, channel.name, signals.source)
+        except BadInput as error:
+            found.append(error)
+            break
+    # What the signal file says about a unit beside what ``campaign.toml`` says: dataset 164, and the label of the ordinate
+    ours, said = factor_of(channel), []
+    units, label = signals.units.get(channel.name), signals.labels.get(channel.name, "")
+    if units is not None and abs(units.size(channel.quantity) - ours) > SAME_UNIT * ours:
+        theirs = units.size(channel.quantity)
+        size = f"1 {channel.unit} is {ours:.7g} {SI[channel.quantity]}, the file's unit {theirs:.7g}"
+        said.append(
+            f"dataset 164 ({units.words}) gives it in {named(theirs, channel.quantity)}, {toml} in {channel.unit}: {size}"
+        )
+    if is_unit(label) and not is_same(label, channel.unit, channel.quantity):
+        said.append(f"its axis is labelled {label}, {toml} gives it in {channel.unit}")
+    remedy = "Correct the one that is wrong"
+    contradictions = [BadInput(source=signals.source, field=channel.name, problem=problem, remedy=remedy) for problem in said]
+    return found + contradictions

@@ -206,7 +206,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
     if stated is not None and (not good or not 0 < band[0] < band[1] or band[0] >= high or band[1] <= low):
         problem = f"must be [low, high] in Hz within {low:g} to {high:g}, found {band!r}"
         raise BadInput(source=source, field="band", problem=problem, remedy="Write band = [5, 200]")
-    where = coordinates_of(table, source)
+    where = sensors.coordinates_of(table, source)
     drives, read = (
         tuple(replace(one, position=where.get(one.place, one.position)) for one in each)
         for each in (whole.drives, whole.responses)
@@ -226,28 +226,6 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
         share=None if table.get("share") is None else _tolerance(table["share"], source, "share"),
         warnings=(*warnings, *whole.warnings),
     )
-
-
-def coordinates_of(table: Mapping[str, Any], source: str) -> dict[str, list[float]]:
-    """By place its coordinates [m], as numbers or lengths with their unit.
-
-    Raises
-    ------
-    BadInput : what is no three lengths.
-    """
-    stated = toml_file.require_table(table.get("coordinates", {}), source=source, where="coordinates")
-    found = {}
-    for name, three in stated.items():
-        field = f"coordinates.{name}"
-        if not isinstance(three, list) or len(three) != 3:
-            raise BadInput(
-                source=source, field=field, problem=f"must be three lengths, found {three!r}", remedy="Write [0.1, 0.0, 0.2]"
-            )
-        found[str(name)] = [
-            float(toml_file.quantity(one, "length", source=source, field=field).n) if isinstance(one, str) else float(one)
-            for one in three
-        ]
-    return found
 
 
 def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:

@@ -3,6 +3,7 @@
 import gc
 import json
 import os
+import runpy
 import signal
 import subprocess
 import sys
@@ -148,6 +149,12 @@ def shared(root: Path) -> Path:
 def data(root: Path) -> Path:
     """Real measured data: `MASSLINE_DATA`, or ``../shared/data``."""
     return _present(Path(os.environ.get("MASSLINE_DATA", root.parent / "shared" / "data")), "MASSLINE_DATA or ../shared/data")
+
+
+@pytest.fixture(scope="session")
+def peak_hold_bias(root: Path) -> dict[str, Any]:
+    """The names in ``examples/peak_hold_bias.py``, which measures a bias in time."""
+    return runpy.run_path(str(root / "examples" / "peak_hold_bias.py"))
 
 
 @pytest.fixture(scope="session")

@@ -35,7 +35,7 @@ from validation.effects.families.joint_compliance import DIRECTIONS
 from validation.effects.families.layer_damping import LAYER
 from validation.effects.stages import ALONG, Matrices
 from validation.model.model import Model
-from validation.prediction.structure import mounted_article
+from validation.prediction.mounting import mounted_article
 from validation.virtual_test.layout import mavis
 
 GRAVITY = 9.81

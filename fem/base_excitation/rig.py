@@ -17,8 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem.damping import symmetric
-from fem.modes import Modes
-from fem.reduction import Reduced, of_modes, static_shapes
+from fem.modes import Modes, Reduced, craig_bampton, static_shapes
 from fem.structure import Structure, hold
 from geometry.dynamic_mass import MOTIONS, DynamicMass
 from geometry.errors import BadInput
@@ -163,7 +162,7 @@ class Rig:
 
 # `FlexibleBody` from a structure and its modes, from modal data alone, or rigid: what stands on a base that moves in time.
 #
-# A structure's kept modes are joined by up to six static answers to accelerations of the base (`fem.reduction`), so the
+# A structure's kept modes are joined by up to six static answers to accelerations of the base (`fem.modes`), so the
 # truncated modes need no term of their own: the body answers as the full structure does up to the fourth power of the frequency.
 # Modes without shapes bring their residual mass R instead; up to six further modes then carry just that R.
 #
@@ -313,7 +312,7 @@ def _reduced(modes: Modes, omega: Array, L: Array, rigid_motion: Array, shapes: 
         shapes=np.hstack([modes.shapes, shapes]),
         viscous=np.asarray(block_diag(C, np.diag(2 * ratio * omega))).reshape(n, n),
     )
-    made = of_modes(extended, rigid_motion)
+    made = craig_bampton(extended, rigid_motion)
     stiffness = np.array(made.stiffness)
     stiffness[6 : 6 + len(K), 6 : 6 + len(K)] = K
     # The base's motions counted at the article's origin instead of at `modes.reference_point`

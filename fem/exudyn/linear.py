@@ -100,7 +100,7 @@ def linearise(plan: Plan, count: int) -> Linearised:
         with running(task) as exudyn:  # the base held by a joint
             held = build(exudyn, plan, held=True)
             squares, found = held.system.ComputeODE2Eigenvalues(numberOfEigenvalues=count, useAbsoluteValues=False)
-        frequency, shapes = _frequencies(squares, task), finite(found, task)
+        frequency, shapes = frequencies(squares, task), finite(found, task)
         task = "linearise the frame"
     result = Linearised(
         mass=finite(mass, task),
@@ -118,30 +118,6 @@ def linearise(plan: Plan, count: int) -> Linearised:
     return result
 
 
-def linearise_body(system: MainSystem, count: int) -> Linearised:
-    """Let exudyn linearise a `system` without joints whose first six coordinates are its base, and find its lowest `count` modes.
-
-    Raises
-    ------
-    CheckFailed : exudyn failed, a result is not finite, or a mode has no stiffness.
-    """
-    task = "linearise the flexible body"
-    with running(task):
-        mass, stiffness, _damping = system.ComputeLinearizedSystem()
-        # Without a number of modes exudyn returns no shapes at all; with absolute values it makes a frequency of an instability.
-        squares, shapes = system.ComputeODE2Eigenvalues(
-            constrainedCoordinates=list(range(BASE)), numberOfEigenvalues=count, useAbsoluteValues=False
-        )
-    return Linearised(
-        mass=finite(mass, task),
-        stiffness=finite(stiffness, task),
-        constraints=np.zeros((len(mass), 0)),
-        rigid=np.eye(len(mass), BASE),
-        frequency=_frequencies(squares, task),
-        shapes=finite(shapes, task),
-    )
-
-
 def stiffness_of(plan: Plan) -> Array:
     """The (n, n) stiffness of `plan` by exudyn.
 
@@ -154,7 +130,7 @@ def stiffness_of(plan: Plan) -> Array:
         return finite(build(exudyn, plan, held=False).system.ComputeLinearizedSystem()[1], task)
 
 
-def _frequencies(squares: npt.ArrayLike, task: str) -> Array:
+def frequencies(squares: npt.ArrayLike, task: str) -> Array:
     """Frequencies [Hz] from exudyn's eigenvalues [(rad/s)²].
 
     Raises

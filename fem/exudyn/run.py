@@ -20,7 +20,7 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.inertia import Inertia, require_physical
 
-# The door to exudyn: the inertia of a rigid body, there and back.
+# The door to exudyn: the inertia of a rigid body.
 #
 # Exudyn's `RigidBodyInertia` holds the mass, the centre of mass and the tensor about the body's reference point, products as
 # matrix entries; its list of six orders them Jxx, Jyy, Jzz, Jyz, Jxz, Jxy. Asked for something impossible it prints a line and
@@ -60,13 +60,6 @@ def to_exudyn(inertia: Inertia, source: str = "inertia") -> ExudynInertia:
 
         make: Any = rigidBodyUtilities.RigidBodyInertia
         return make(mass=body.mass, inertiaTensor=body.tensor, com=body.first_moment / body.mass)
-
-
-def from_exudyn(body: ExudynInertia, reference_point: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Inertia:
-    """A `RigidBodyInertia` as `Inertia`; its reference point lies at `reference_point` (3,) [m] of the body's frame."""
-    six = np.asarray(body.GetInertia6D(), dtype=np.float64)[ORDER_OF_SIX]
-    parameters = np.concatenate([[body.Mass()], body.Mass() * np.asarray(body.COM()), six])
-    return Inertia(parameters=parameters, reference_point=np.asarray(reference_point, dtype=np.float64))
 
 
 # Ctrl-C while exudyn integrates: kept until exudyn has stopped, and then raised.

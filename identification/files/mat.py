@@ -1,7 +1,7 @@
 """Signals of MATLAB: variables named as the channels, ``-`` as ``_``, and ``fs`` [Hz] or ``frequency`` [Hz].
 
 Version 5 (-v7) is read through scipy, version 7.3 is HDF5. Files are written in version 5, packed, so that its checksums tell
-damage; `write_v73` writes the other.
+damage.
 """
 
 import struct
@@ -9,7 +9,6 @@ import zlib
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -225,36 +224,8 @@ def write(path: Path, signals: Signals) -> None:
     """
     from scipy.io import savemat
 
-    variables = _variables(signals, str(path))
+    variables = variables_of(signals, str(path))
     write_with(path, lambda temporary: savemat(temporary, variables, do_compression=True, oned_as="column", appendmat=False))
-
-
-def write_v73(path: Path, signals: Signals) -> None:
-    """Write `signals` to `path` in version 7.3, with checksums, whole or not at all.
-
-    Raises
-    ------
-    BadInput : as in `write`.
-    """
-    variables = _variables(signals, str(path))
-    write_with(path, lambda temporary: _fill_v73(temporary, variables))
-
-
-def _fill_v73(path: Path, variables: dict[str, Any]) -> None:
-    import h5py
-
-    with h5py.File(path, "w", userblock_size=V73, libver=("v110", "v110")) as file:
-        for name, numbers in variables.items():
-            rows = np.atleast_2d(np.asarray(numbers))  # MATLAB's n x 1 stands as 1 x n: the last index runs first here
-            if np.iscomplexobj(rows):
-                pairs = np.empty(rows.shape, dtype=[("real", "<f8"), ("imag", "<f8")])
-                pairs["real"], pairs["imag"] = rows.real, rows.imag
-                rows = pairs
-            entry = file.create_dataset(name, data=rows, compression="gzip", fletcher32=True)
-            entry.attrs["MATLAB_class"] = np.bytes_("double")
-    text = b"MATLAB 7.3 MAT-file, written by massline".ljust(116) + b"\0" * 8 + b"\x00\x02IM"
-    with path.open("r+b") as raw:
-        raw.write(text)
 
 
 def _vector(numbers: Samples, name: str, source: str) -> Samples:
@@ -264,7 +235,8 @@ def _vector(numbers: Samples, name: str, source: str) -> Samples:
     return numbers.ravel().astype(np.complex128 if np.iscomplexobj(numbers) else np.float64)
 
 
-def _variables(signals: Signals, source: str) -> dict[str, float | Array | Samples]:
+def variables_of(signals: Signals, source: str) -> dict[str, float | Array | Samples]:
+    """By name in MATLAB what a file of `signals` holds."""
     found: dict[str, float | Array | Samples] = {}
     if signals.sampling_rate is not None:
         found["fs"] = float(signals.sampling_rate)

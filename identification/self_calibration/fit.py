@@ -182,12 +182,12 @@ def _participation(problem: Assembly, r: int) -> Integers:
     return np.asarray(_first(problem) + begin + 6 * r + np.arange(6))
 
 
-# Two bootstraps of the joint fit, linearised at its minimum, so that a thousand draws cost next to nothing.
+# A bootstrap of the joint fit, linearised at its minimum, so that a thousand draws cost next to nothing.
 #
-# Near the minimum a change of the data moves the estimate by -C s, s the change of the gradient. The *parametric* bootstrap
-# draws noise as the likelihood takes it: independent from line to line. The *block* bootstrap draws from the residuals that are
-# there: runs are cut into blocks of neighbouring lines, blocks are drawn with replacement (Kuensch, Ann. Statist. 17 (1989)
-# 1217), and what each contributes to the gradient comes along with whatever correlation it has. Priors are drawn anew in both.
+# Near the minimum a change of the data moves the estimate by -C s, s the change of the gradient. The likelihood takes noise for
+# independent from line to line; the block bootstrap draws from the residuals that are there: runs are cut into blocks of
+# neighbouring lines, blocks are drawn with replacement (Kuensch, Ann. Statist. 17 (1989) 1217), and what each contributes to the
+# gradient comes along with whatever correlation it has. Priors are drawn anew.
 
 BLOCK = 1.0
 """[Hz] of a block: wider than a resonance."""
@@ -204,16 +204,6 @@ def bootstrap_scores(parts: Sequence[Part], layout: Layout, x: Array, *, block: 
         at = np.floor((f - f[0]) / block).astype(np.int64)
         found.append(np.concatenate([np.stack([run[at == one].sum(axis=0) for one in np.unique(at)]) for run in by_line]))
     return found
-
-
-def parametric(C: Array, normal: Array, rows: Array, rng: np.random.Generator, draws: int = DRAWS) -> Array:
-    """(draws, k) changes of the estimate with noise and knowledge drawn as they are assumed.
-
-    C (k, k) is the posterior covariance, `normal` J^T J of the data and `rows` (p, k) the whitened knowledge.
-    """
-    values, vectors = np.linalg.eigh(normal)
-    noise = rng.standard_normal((draws, len(C))) @ (vectors * np.sqrt(np.maximum(values, 0.0))).T
-    return np.asarray((noise + rng.standard_normal((draws, len(rows))) @ rows) @ C)
 
 
 def blocks(C: Array, found: Sequence[Array], rows: Array, rng: np.random.Generator, draws: int = DRAWS) -> Array:

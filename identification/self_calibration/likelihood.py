@@ -24,9 +24,7 @@ from geometry.frames import Array, frozen
 from identification.chain import Derivative
 from identification.elastic.model import UPPER, ElasticTerms
 from identification.self_calibration import solve
-from identification.self_calibration.solve import SILENT, Normal
-from identification.self_calibration.ways import Ways
-from identification.self_calibration.ways import normal as by_ways
+from identification.self_calibration.solve import SILENT, Normal, Ways, normal_by_ways
 from identification.spectra.line_spectra import Spectra
 
 
@@ -130,7 +128,7 @@ def normal(observed: Observed, rows: Rows) -> Normal:
     A, found = rows.a0 + rows.a1 @ rows.dynamic_mass, []
     for y, w in zip(observed.values, observed.weight, strict=True):
         r, Q, u = solve.eliminated(A, y, w)
-        found.append(by_ways(of, r, Q, u, w))
+        found.append(normal_by_ways(of, r, Q, u, w))
     return solve.total(found, of.count)
 
 
@@ -189,7 +187,7 @@ def near(observed: Observed, rows: Rows) -> Near:
     of, found = _ways(replace(rows, structure=None)), []
     for k, (y, w) in enumerate(zip(observed.values, observed.weight, strict=True)):
         r, Q, u = solve.eliminated(A, y, w)
-        found.append(by_ways(of, r, Q, u, w))
+        found.append(normal_by_ways(of, r, Q, u, w))
         # What loads do to the channels beside the inputs, (n, c, 6), and how all else meets it
         T = w[..., None] * rows.a1
         B = T - Q @ (Q.conj().transpose(0, 2, 1) @ T)

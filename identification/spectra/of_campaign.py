@@ -9,7 +9,7 @@ channels, so the sweep itself loses no more than a few parts in 1e5 of a line.
 lightly damped resonance lies more than a straight line.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -255,3 +255,85 @@ def _beyond_drive(campaign: Campaign, lines: Array) -> tuple[str, ...]:
 
 def _refused(campaign: Campaign, field: str, problem: str, remedy: str) -> BadInput:
     return BadInput(source=campaign.source, field=field, problem=problem, remedy=remedy)
+
+
+# Which lines of a campaign its runs drive: a line that a run does not drive holds noise, and no model is judged by noise.
+#
+# A run says what it drives, or its level does. Only lines that every run drives are kept, since all runs share one grid.
+
+WELL_ABOVE = 10.0
+"""Level over known noise of the channel that sees most, from which a line is driven. Of 22 channels of pure noise the largest
+reaches about 3 at the worst of a thousand lines."""
+
+Chosen = npt.NDArray[np.bool_]
+
+OTHERWISE = "--band decides otherwise"
+
+
+def stated_drives(campaign: Campaign) -> tuple[float, float] | None:
+    """(low, high) [Hz] that all runs that state what they drive have in common; None where none does.
+
+    Raises
+    ------
+    BadInput : they have no line in common.
+    """
+    ends = {run.name: found for run in campaign.runs if (found := _ends(run)) is not None}
+    if not ends:
+        return None
+    low, high = max(of[0] for of in ends.values()), min(of[1] for of in ends.values())
+    lines = lines_of(campaign)
+    if not low < high or not np.any(between(lines, low, high)):
+        said = ", ".join(f"{name} drives {of[0]:g} to {of[1]:g} Hz" for name, of in ends.items())
+        raise BadInput(
+            source=campaign.source,
+            field="run.excitation",
+            problem=f"all runs together drive none of the lines from {lines[0]:g} to {lines[-1]:g} Hz: {said}",
+            remedy="Correct start_hz and stop_hz, or choose the lines with --band LOW HIGH",
+        )
+    return low, high
+
+
+def by_level(campaign: Campaign, found: Spectra, groups: Sequence[Sequence[int]]) -> tuple[Chosen, tuple[str, ...]]:
+    """(n,) lines of `found` that stand well above the noise in every run that states nothing, and what is to be said.
+
+    Parameters
+    ----------
+    groups : columns of channels, in each of which the line must show: forces, accelerations
+    """
+    silent = [k for k, run in enumerate(campaign.runs) if _ends(run) is None]
+    every = np.ones(len(found.frequency), dtype=bool)
+    if not silent:
+        return every, ()
+    # Whether the best channel of each group stands well above its noise; noise that is not known counts as none
+    above = np.abs(found.values[silent]) > WELL_ABOVE * found.noise[silent]
+    loud = np.all([np.any(above[:, :, list(columns)], axis=2) for columns in groups if len(columns)], axis=(0, 1))
+    some_names = [campaign.runs[k].name for k in silent]
+    names = ", ".join(some_names[:6]) + (f" and {len(some_names) - 6} more" if len(some_names) > 6 else "")
+    if not np.any(loud):
+        said = f"no line stands {WELL_ABOVE:g} times above the noise in every run, and {names} state nothing of what they drive"
+        return every, (f"of {campaign.source} all lines are kept: {said}",)
+    if np.all(loud):
+        return every, ()
+    kept = found.frequency[loud]
+    which = f"{int(np.sum(~loud))} of {len(loud)} lines of {campaign.source}"
+    left = f"{which} are left out, {kept[0]:g} to {kept[-1]:g} Hz remain"
+    why = f"there the level is below {WELL_ABOVE:g} times the noise in {names}, which state nothing of what they drive"
+    return loud, (f"{left}: {why}; {OTHERWISE}",)
+
+
+def lines_of(campaign: Campaign) -> Array:
+    """(n,) [Hz] of the files, or those of the campaign's processing."""
+    recorded = next(iter(campaign.recordings.values()), None)
+    there = None if recorded is None else recorded.frequency
+    return grid(campaign) if there is None else there[there > 0]
+
+
+def _ends(run: Run) -> tuple[float, float] | None:
+    """(low, high) [Hz] of what a run states to drive."""
+    return None if run.excitation is None else run.excitation.band
+
+
+def between(lines: Array, low: float, high: float) -> Chosen:
+    """(n,) which of `lines` lie from `low` to `high` [Hz]."""
+    slack = SAME_LINE * (high - low)
+    return np.asarray((lines >= low - slack) & (lines <= high + slack))

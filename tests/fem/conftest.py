@@ -13,7 +13,9 @@ from scipy.sparse import csr_array, eye_array, kron
 from fem import factorisers
 from fem.base_excitation.patterns import BaseMotion
 from fem.exudyn.linear import Linearised
+from fem.modes import Reduced
 from fem.structure import Structure, rigid_motion
+from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
 
 
@@ -29,6 +31,21 @@ def _optional_factoriser(request: pytest.FixtureRequest) -> None:
 def own_model(root: Path) -> dict[str, Any]:
     """The names in ``examples/own_model.py``."""
     return runpy.run_path(str(root / "examples" / "own_model.py"))
+
+
+@pytest.fixture(scope="session")
+def condensed() -> Callable[[Reduced, Array], ComplexArray]:
+    """``condensed(reduced, lines)``: the dynamic mass (n, 6, 6) at `lines` (n,) [Hz], modal coordinates condensed at each."""
+
+    def matrix(reduced: Reduced, lines: Array) -> ComplexArray:
+        H = np.empty((len(lines), 6, 6), dtype=np.complex128)
+        for line, omega in enumerate(2 * np.pi * np.asarray(lines)):
+            Z = reduced.stiffness + 1j * (omega * reduced.viscous + reduced.structural) - omega**2 * reduced.mass
+            q = np.linalg.solve(Z[6:, 6:], omega**2 * reduced.mass[6:, :6])  # for a unit displacement of the base
+            H[line] = reduced.mass[:6, :6] + reduced.mass[:6, 6:] @ q
+        return H
+
+    return matrix
 
 
 @pytest.fixture(scope="session")

@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.sparse import csr_array
 
-from fem import damping, dynamic_mass, reduction
+from fem import damping, dynamic_mass
 from fem import modes as fem_modes
 from fem.beam import articles
 from fem.damping import Damping
-from fem.modes import Modes, fixed_base, with_damping
+from fem.modes import Modes, craig_bampton, fixed_base, with_damping
 from fem.structure import Structure, rigid_motion
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput, CheckFailed
@@ -123,7 +123,7 @@ def test_pyyeti_drives_the_same_base() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)
         from pyyeti import cb
-    r = reduction.of_modes(clumod_modes(), clumod().rigid)
+    r = craig_bampton(clumod_modes(), clumod().rigid)
     found = dynamic_mass.modal(clumod_modes(), BAND, residual=False).matrix
     K = r.stiffness + 1j * r.structural
     peer = np.array([cb.cbtf(r.mass, r.viscous, K, row, BAND, np.arange(6)).frc for row in np.eye(6)])  # axis, load, line
@@ -181,7 +181,7 @@ def test_damping_that_the_structure_does_not_know_is_refused() -> None:
 
 def test_reduced_matrices_are_the_full_ones_seen_through_the_basis(block: Callable[..., Structure]) -> None:
     structure = block(4, 4, 5)
-    r = reduction.of_modes(fixed_base(structure, 12), structure.rigid)
+    r = craig_bampton(fixed_base(structure, 12), structure.rigid)
     V = r.expand(np.eye(18))
     for full, small in ((structure.mass, r.mass), (structure.stiffness, r.stiffness)):
         assert_allclose(V.T @ full @ V, small, rtol=0, atol=1e-9 * np.abs(small).max())

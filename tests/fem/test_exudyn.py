@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem import reduction
 from fem.beam import articles
 from fem.beam.articles import Joint, Port
 from fem.beam.elements import Section, rectangle, sandwich
@@ -23,9 +22,8 @@ from fem.dynamic_mass import LINES, modal
 from fem.exudyn import frame, linear
 from fem.exudyn.frame import refined
 from fem.exudyn.linear import extrapolated, linearise
-from fem.exudyn.run import exudyn_version, from_exudyn, is_interruption, kept, quiet, running, to_exudyn
-from fem.modes import Modes, fixed_base
-from fem.reduction import Reduced
+from fem.exudyn.run import exudyn_version, is_interruption, kept, quiet, running, to_exudyn
+from fem.modes import Modes, Reduced, craig_bampton, fixed_base
 from geometry.article import material
 from geometry.articles import built_in
 from geometry.articles.parts import load
@@ -34,7 +32,8 @@ from geometry.frames import Array, rigid_transformation_6, rotation_about
 from geometry.inertia import Inertia
 from geometry.routes import inertia as drawn_inertia
 
-linearised = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "in_exudyn.py"))["linearised"]
+IN_EXUDYN = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "in_exudyn.py"))
+linearised, from_exudyn = IN_EXUDYN["linearised"], IN_EXUDYN["from_exudyn"]
 
 STEEL = material("steel")
 BAR = rectangle(0.02, 0.01, STEEL)
@@ -241,15 +240,15 @@ def test_no_mode_at_all_and_an_unknown_article_are_refused_before_exudyn_starts(
 @pytest.fixture(scope="module", params=["clumod-1", "clumod-4"])
 def ours(request: pytest.FixtureRequest) -> Reduced:
     structure = articles.structure(request.param)
-    return reduction.of_modes(fixed_base(structure, COUNT), structure.rigid)
+    return craig_bampton(fixed_base(structure, COUNT), structure.rigid)
 
 
-def test_reduced_matrices_in_exudyn_have_our_frequencies_and_dynamic_mass(ours: Reduced) -> None:
+def test_reduced_matrices_in_exudyn_have_our_frequencies_and_dynamic_mass(ours: Reduced, condensed: Callable[..., Array]) -> None:
     """Exudyn's modes summed up, against our modal coordinates condensed line by line."""
     system = linearised(ours.stiffness, ours.mass)
     assert_allclose((2 * np.pi * system.frequency) ** 2, np.diag(ours.stiffness)[6:], rtol=1e-6)
     exudyns = modal(extrapolated(None, system, ours.structural, np.zeros(3), COUNT), LINES).matrix
-    here = reduction.dynamic_mass(ours, LINES).matrix
+    here = condensed(ours, LINES)
     assert_allclose(exudyns, here, rtol=0, atol=1e-6 * np.abs(here).max())
 
 

@@ -17,8 +17,7 @@ from rich.console import Console
 
 from fem.beam import articles
 from fem.dynamic_mass import direct, modal
-from fem.exudyn.linear import linearise_body
-from fem.exudyn.run import failed, finite, from_exudyn, integrated, running
+from fem.exudyn.run import failed, finite, integrated, running
 from fem.modes import fixed_base
 from fem.solid.assembly import LOCAL_HEX27, SolidMesh, assemble
 from fem.structure import Structure
@@ -77,7 +76,7 @@ def test_static_answers_stand_for_the_modes_that_are_left_out(bar: Structure) ->
 
 def test_mass_blocks_of_the_floating_frame_are_the_inertia_of_the_body(body: FloatingFrame) -> None:
     """Mass, first moment and tensor in exudyn's mass matrix about the frame, against the box in closed form."""
-    M = linearise_body(body.system, COUNT).mass[:6, :6]
+    M = IN_EXUDYN["linearise_body"](body.system, COUNT).mass[:6, :6]
     read = Inertia.from_mass_matrix(M)
     assert read.mass == pytest.approx(BOX.mass, rel=1e-12)
     assert_allclose(read.first_moment, BOX.first_moment, rtol=1e-12)
@@ -90,7 +89,7 @@ def test_exudyns_own_rigid_inertia_of_the_matrices_is_the_body(bar: Structure) -
     solid = FEM.FEMinterface()
     solid.nodes = {"Position": bar.points}
     solid.massMatrix = bar.mass.tocsr()
-    assert_allclose(from_exudyn(solid.GetRigidBodyInertia()).parameters, BOX.parameters, rtol=0, atol=1e-12)
+    assert_allclose(IN_EXUDYN["from_exudyn"](solid.GetRigidBodyInertia()).parameters, BOX.parameters, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("axis", [0, 1])

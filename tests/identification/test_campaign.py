@@ -11,12 +11,12 @@ from numpy.testing import assert_allclose, assert_array_equal
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
 from geometry.sensors import motion_rows
-from identification import campaign_file
 from identification.campaign import (
     NOMINAL,
     Campaign,
     Recording,
     base_motion,
+    clipped,
     factor,
     is_same,
     is_unit,
@@ -186,7 +186,7 @@ def sine(frequency: float, level: float = 1.0) -> np.ndarray:
 def test_a_sine_cut_off_on_one_side_is_clipped(frequency: float, share: float, sign: float) -> None:
     cut = sign * np.minimum(sine(frequency), share)
     at_top = int(np.sum(sign * cut == share))
-    found = campaign_file.clipped(cut)
+    found = clipped(cut)
     assert 0.8 * at_top < found <= at_top
 
 
@@ -194,20 +194,20 @@ def test_a_sine_cut_off_on_one_side_is_clipped(frequency: float, share: float, s
 @pytest.mark.parametrize("bits", [6, 8, 12, 16])
 def test_rounding_to_the_steps_of_a_converter_is_not_clipping(frequency: float, bits: int) -> None:
     step = 2.0 ** (1 - bits)
-    assert campaign_file.clipped(np.round(sine(frequency) / step) * step) == 0
+    assert clipped(np.round(sine(frequency) / step) * step) == 0
 
 
 def test_a_clipped_and_rounded_signal_is_clipped() -> None:
     step = 2.0**-11
-    assert campaign_file.clipped(np.round(np.clip(sine(8.0), -0.7, 0.7) / step) * step) > 100
+    assert clipped(np.round(np.clip(sine(8.0), -0.7, 0.7) / step) * step) > 100
 
 
 def test_noise_and_rests_are_not_clipped() -> None:
     generator = np.random.default_rng(7)
-    assert campaign_file.clipped(generator.standard_normal(4000)) == 0
-    assert campaign_file.clipped(np.concatenate([np.zeros(500), sine(8.0), np.zeros(500)])) == 0
+    assert clipped(generator.standard_normal(4000)) == 0
+    assert clipped(np.concatenate([np.zeros(500), sine(8.0), np.zeros(500)])) == 0
 
 
 @given(st.floats(1e-9, 1e9))
 def test_the_verdict_does_not_depend_on_the_unit(scale: float) -> None:
-    assert campaign_file.clipped(scale * np.minimum(sine(8.0), 0.7)) == campaign_file.clipped(np.minimum(sine(8.0), 0.7))
+    assert clipped(scale * np.minimum(sine(8.0), 0.7)) == clipped(np.minimum(sine(8.0), 0.7))

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from geometry.dynamic_mass import MOTIONS, DynamicMass
 from geometry.frames import Array
 from geometry.sensors import Point
-from identification import measured_functions
+from identification import test_file
 from identification.files import files
 from identification.files.files import Samples
 from identification.response_functions import ResponseFunctions
@@ -36,21 +36,21 @@ def read(path: Path) -> tuple[Array, dict[str, Samples]]:
 @pytest.mark.parametrize("ending", [".csv", ".unv", ".uff", ".h5", ".mat"])
 def test_a_dynamic_mass_comes_back_with_its_intervals_from_every_format(ending: str, tmp_path: Path) -> None:
     path = tmp_path / f"H{ending}"
-    measured_functions.write(path, measured_functions.of_dynamic_mass(H, "test", SPREAD))
+    test_file.write(path, test_file.of_dynamic_mass(H, "test", SPREAD))
     frequency, samples = read(path)
     assert_allclose(frequency, LINES, rtol=1e-9)
     for name, row, column in (("H_x_x", 0, 0), ("H_gamma_y", 5, 1)):
         # an ASCII universal file has twelve digits
         assert_allclose(samples[name], H.matrix[:, row, column], rtol=1e-11)
         # a circular complex error of E|e|² = sd² has sd/√2 in each part
-        half = np.real(samples[name + measured_functions.HALF])
+        half = np.real(samples[name + test_file.HALF])
         assert_allclose(half, 1.959964 / np.sqrt(2) * SPREAD[:, row, column], rtol=1e-6)
 
 
 def test_lines_that_ascii_cannot_say_go_out_in_binary(tmp_path: Path) -> None:
     odd = DynamicMass(frequency=LINES + 1e-7 * np.sin(LINES), matrix=H.matrix)
     path = tmp_path / "H.unv"
-    measured_functions.write(path, measured_functions.of_dynamic_mass(odd, "test"))
+    test_file.write(path, test_file.of_dynamic_mass(odd, "test"))
     assert_allclose(read(path)[0], odd.frequency, rtol=1e-12)
 
 
@@ -74,7 +74,7 @@ def frame() -> ResponseFunctions:
 def test_other_programs_read_response_functions_as_what_they_are(tmp_path: Path) -> None:
     test = frame()
     for ending in (".unv", ".h5", ".mat"):
-        measured_functions.write(tmp_path / f"r{ending}", measured_functions.of_responses(test))
+        test_file.write(tmp_path / f"r{ending}", test_file.of_responses(test))
     sets = pyuff.UFF(str(tmp_path / "r.unv")).read_sets()
     one = next(each for each in sets if each["type"] == 58 and each["id1"].strip() == "top-z_per_floor-1")
     assert (one["func_type"], one["rsp_dir"], one["ref_dir"]) == (4, 3, -2)
@@ -106,12 +106,12 @@ def test_the_interval_from_coherence_holds_the_truth_as_often_as_it_says(tmp_pat
         averages=averages,
         band=(1.0, 10.0),
     )
-    samples = measured_functions.of_responses(test).samples
+    samples = test_file.of_responses(test).samples
     for part in (np.real, np.imag):
-        inside = np.mean(np.abs(part(samples["b_per_a"] - truth)) <= samples["b_per_a" + measured_functions.HALF])
+        inside = np.mean(np.abs(part(samples["b_per_a"] - truth)) <= samples["b_per_a" + test_file.HALF])
         assert abs(inside - 0.95) < 3 * np.sqrt(0.05 * 0.95 / lines) + 0.006  # the width is of first order in 1/averages
 
 
 def test_motions_name_the_36_functions() -> None:
-    names = measured_functions.of_dynamic_mass(H, "t").samples
+    names = test_file.of_dynamic_mass(H, "t").samples
     assert list(names) == [f"H_{row}_{column}" for row in MOTIONS for column in MOTIONS]

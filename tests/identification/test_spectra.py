@@ -1,8 +1,8 @@
 """Full-record spectra, the paper's peak-reference-hold, records that are cut, and the page about them."""
 
 import re
-import runpy
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from scipy.signal import lfilter
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
 from identification.spectra.line_spectra import _folded, full_record
-from identification.spectra.peak_hold import applied, kept, lone_mode, model_lines, peak_reference_hold, sweep_bias
+from identification.spectra.peak_hold import applied, kept, lone_mode, model_lines, peak_reference_hold
 
 RATE = 512.0
 LINES = np.linspace(4.0, 32.0, 57)
@@ -119,7 +119,8 @@ def test_a_mode_through_the_same_operator_is_the_biased_spectrum_that_a_record_h
     assert np.abs(response(asked) * recorded[:, 0] - recorded[:, 1]).max() > 0.2 * peak
 
 
-def test_the_bias_falls_as_damping_grows_and_as_blocks_do() -> None:
+def test_the_bias_falls_as_damping_grows_and_as_blocks_do(peak_hold_bias: dict[str, Any]) -> None:
+    sweep_bias = peak_hold_bias["sweep_bias"]
     lines = np.array([12.25, 12.3, 12.35])
     bias = [sweep_bias(12.3, zeta, frequency=lines, finer=8).error("peak_hold").max() for zeta in (0.0035, 0.0105, 0.035)]
     assert bias[0] > 2 * bias[1] > 4 * bias[2]
@@ -127,7 +128,8 @@ def test_the_bias_falls_as_damping_grows_and_as_blocks_do() -> None:
     assert longer < bias[0] / 1.5
 
 
-def test_a_record_that_ends_early_biases_the_full_record_too() -> None:
+def test_a_record_that_ends_early_biases_the_full_record_too(peak_hold_bias: dict[str, Any]) -> None:
+    sweep_bias = peak_hold_bias["sweep_bias"]
     lines = np.arange(28.0, 32.0, 0.05)
     whole, cut = (sweep_bias(31.0, 0.0035, frequency=lines, finer=8, ring_down=after) for after in (None, 0.1))
     assert cut.error("full_record").max() > 30 * whole.error("full_record").max()
@@ -189,9 +191,8 @@ def test_a_mode_is_found_by_itself_with_its_turn_on_top_of_others(turn: float) -
 PAGE = Path(__file__).parents[2] / "docs" / "spectra.md"
 
 
-def test_the_bias_on_the_page_is_the_one_that_is_measured(root: Path) -> None:
-    program = runpy.run_path(str(root / "examples" / "peak_hold_bias.py"))
-    found = program["figures"](sweep_bias(12.3, 0.0035, frequency=program["LINES"]), 12.3)
+def test_the_bias_on_the_page_is_the_one_that_is_measured(peak_hold_bias: dict[str, Any]) -> None:
+    found = peak_hold_bias["figures"](peak_hold_bias["sweep_bias"](12.3, 0.0035, frequency=peak_hold_bias["LINES"]), 12.3)
     text = PAGE.read_text(encoding="utf-8").replace("\n", " ")
     at, away, largest = (
         float(re.search(pattern, text).group(1)) / 100 for pattern in (r"(\d+) % low", r"about ([\d.]+) %", r"up to ([\d.]+) %")

@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.frames import Pose
 from geometry.sensors import Point
-from identification import campaign_file, measured_functions
+from identification import campaign_file, test_file
 from identification.campaign import Campaign
 from identification.response_functions import ResponseFunctions
 from validation.cli import main
@@ -221,7 +221,7 @@ def test_a_universal_file_says_what_it_holds_and_how_a_model_reads_it(run, tmp_p
         responses=tuple(Point(place=str(number), direction=(1, 0, 0)) for number in range(8)),
         band=(4.0, 32.0),
     )
-    measured_functions.write(tmp_path / "hammer.unv", measured_functions.of_responses(test))
+    test_file.write(tmp_path / "hammer.unv", test_file.of_responses(test))
     code, out, err = run("check", "hammer.unv")
     assert (code, err) == (main.DONE, "")
     assert "8 responses, 1 drives, acceleration" in out

@@ -8,7 +8,7 @@ import pytest
 
 from fem.mesh import model
 from geometry.sensors import Point
-from identification import measured_functions
+from identification import test_file
 from identification.response_functions import ResponseFunctions
 from validation.cli import main
 
@@ -53,7 +53,7 @@ def strike(description: Path, path: Path, drive: int = 2) -> None:
         responses=tuple(named.values()),
         band=(5.0, 80.0),
     )
-    measured_functions.write(path, measured_functions.of_responses(test))
+    test_file.write(path, test_file.of_responses(test))
 
 
 @pytest.fixture

@@ -17,8 +17,8 @@ from geometry import toml_file
 from geometry.atomic import write_with
 from geometry.errors import BadInput
 from geometry.frames import Array
-from validation.compare.correlation import ModalCorrelation
-from validation.compare.maps import Map, NamedMode
+from validation.compare.correlation import ModalCorrelation, NamedMode
+from validation.compare.maps import Map
 from validation.estimation.problem import Evaluation, Measured
 from validation.history import history
 from validation.history.history import Ladder, Source, read_text

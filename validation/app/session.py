@@ -46,8 +46,8 @@ from validation.model import model_file
 from validation.model.model import Model
 from validation.output import from_json, json_text, require_ending, require_file, require_folder, to_json
 from validation.prediction import series
+from validation.prediction.mounting import mounted_article
 from validation.prediction.series import SeriesPrediction, TestedCampaign
-from validation.prediction.structure import mounted_article
 from validation.report import compare, diagnose, page
 from validation.report.history import of_step
 from validation.report.parts import Provenance

@@ -9,8 +9,8 @@ import numpy as np
 from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.frames import Array
 from geometry.inertia import LOADS
-from validation.compare.correlation import FunctionCorrelation, ModalCorrelation, correlations
-from validation.compare.maps import LENGTHS, Map, NamedMode, Rig, doubt, in_percent, mapped, modes_of
+from validation.compare.correlation import FunctionCorrelation, ModalCorrelation, NamedMode, correlations, modes_of
+from validation.compare.maps import LENGTHS, Map, Rig, doubt, in_percent, mapped
 from validation.estimation import verdicts
 from validation.estimation.problem import Evaluation, Fit, Problem, Share
 from validation.estimation.verdicts import ExplainedError, StatedError, Tolerance

@@ -18,10 +18,13 @@ from geometry.frames import Array
 from identification.files.files import Samples
 from identification.modal_table import ModalTable, mac
 from validation.estimation.problem import Offsets, Prediction
-from validation.output import derived, unwritten
+from validation.flexible.model import family
+from validation.output import derived, entry, unwritten
+from validation.prediction import effects, modal_table
 from validation.prediction.landmarks import resonance_table
 from validation.prediction.modal_table import RealModes, TableFrequencies, TableShapes, partners, seen
 from validation.prediction.response_functions import ResponseFunctionTest
+from validation.prediction.structure_tests import StructurePrediction
 
 GREEN = 0.9
 """MAC from which analysts call a pair one mode, FRAC from which they call two functions alike (Ewins, Modal Testing, 2000)."""
@@ -295,3 +298,73 @@ def _csv(head: Sequence[str], rows: Iterable[Iterable[object]]) -> str:
     writer.writerow(head)
     writer.writerows(["" if one is None else one for one in row] for row in rows)
     return text.getvalue()
+
+
+# Modes by the names that one speaks of them: the part that holds most of their strain energy, and their order among its
+# modes.
+
+
+ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
+
+
+@dataclass(frozen=True, kw_only=True)
+class NamedMode:
+    """One fixed-base mode.
+
+    Attributes
+    ----------
+    name : "first mast mode"
+    frequency : [Hz]
+    damping_ratio : [1]
+    effective_mass : (6,) along and about every axis [kg], [kg m²]; empty where it is not known
+    """
+
+    name: str
+    frequency: float = entry("frequency_hz", unit="Hz")
+    damping_ratio: float
+    effective_mass: tuple[float, ...] = unwritten(default=())
+
+
+def modes_of(prediction: StructurePrediction, offsets: Offsets) -> tuple[NamedMode, ...]:
+    """The modes with the base held, ascending, of the structure at `offsets`, its effects acting.
+
+    The last of them stand for the static answer of all others.
+    """
+    from scipy.linalg import eigh
+
+    if prediction.structure is None:
+        return ()
+    matrices, _ = prediction.structure.at(offsets, derivatives=False)
+    matrices = effects.structure(matrices, {}, effects.at(prediction.effects, offsets), derivatives=False)[0]
+    own = np.arange(matrices.base, len(matrices.mass))
+    if not own.size:
+        return ()
+    K, M, C, S = (one[np.ix_(own, own)] for one in (matrices.stiffness, matrices.mass, matrices.viscous, matrices.structural))
+    if matrices.base:
+        squares, shapes = eigh(K, M)
+    else:
+        of = modal_table.real_modes(matrices)
+        moving = np.isfinite(of.squares)
+        squares, shapes = of.squares[moving], of.shapes[:, moving]
+    omega, shapes = np.sqrt(np.maximum(squares, 0.0)), np.asarray(shapes)
+    zeta = (_energy(C, shapes) + _energy(S, shapes) / np.maximum(omega, 1e-12)) / np.maximum(2 * omega, 1e-12)
+    # By mode the part with the largest share of strain energy; empty words where the model does not say
+    shares: dict[str, Array] = {}
+    for part, stiffness in matrices.parts.items():
+        shares[family(part)] = shares.get(family(part), 0.0) + _energy(stiffness[np.ix_(own, own)], shapes)
+    most = np.argmax(np.stack(list(shares.values())), axis=0) if shares else ()
+    holders = [list(shares)[k] for k in most] or [""] * len(omega)
+    # "mast", "upper-long", "mast" as "first mast mode", "first upper-long mode", "second mast mode"
+    found: list[NamedMode] = []
+    effective = np.square(shapes.T @ matrices.mass[own, : matrices.base])
+    for k, (part, w, z, m) in enumerate(zip(holders, omega, zeta, effective, strict=True)):
+        place = holders[:k].count(part)
+        ordinal = ORDINALS[place] if place < len(ORDINALS) else f"{place + 1}th"
+        name = f"{ordinal} {part} mode".replace("  ", " ")
+        mass = tuple(map(float, m))
+        found.append(NamedMode(name=name, frequency=float(w / (2 * np.pi)), damping_ratio=float(z), effective_mass=mass))
+    return tuple(found)
+
+
+def _energy(matrix: Array, shapes: Array) -> Array:
+    return np.asarray(np.einsum("im,ij,jm->m", shapes, matrix, shapes))

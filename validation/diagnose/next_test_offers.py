@@ -37,8 +37,8 @@ from validation.model.setups import FMD, above_fmd, mounted
 from validation.prediction import effects as prediction_effects
 from validation.prediction.classical_facts import KEYS, ArticleFact, article_of, weights_of
 from validation.prediction.dynamic_mass import SupportedDynamicMass
+from validation.prediction.mounting import mounted_article
 from validation.prediction.series import SeriesPrediction, TestedCampaign, laboratory, supported_dynamic_mass
-from validation.prediction.structure import mounted_article
 
 # What the present data say of the parameters by one explanation, carried over to a test that is not done yet.
 #
@@ -212,7 +212,7 @@ def planned(of: Template, campaign: Campaign, *, frequency: Array | None = None,
 
     Raises
     ------
-    BadInput : as `validation.prediction.structure.mounted_article`.
+    BadInput : as `validation.prediction.mounting.mounted_article`.
     """
     was, lines = of.tested, of.frequency if frequency is None else frequency
     near = np.argmin(np.abs(lines[:, None] - of.frequency), axis=1)

@@ -21,8 +21,7 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import CheckFailed
 from geometry.frames import Array, frozen
 from identification.self_calibration import solve
-from identification.self_calibration.solve import SILENT, Normal
-from identification.self_calibration.ways import Ways, normal
+from identification.self_calibration.solve import SILENT, Normal, Ways, normal_by_ways
 from validation.estimation.problem import (
     EFFECT,
     Change,
@@ -143,7 +142,7 @@ def normals(seen: ObservedLines, predicted: Predicted, free: Sequence[str], floo
         if common is None:
             one = solve.normal_equations(r, Q, _moved(predicted, own, run, u, weight[run]))
         else:
-            one = normal(common, r, Q, u, weight[run])
+            one = normal_by_ways(common, r, Q, u, weight[run])
         # `one` in a vector of `count` parameters of which it knows those `at`
         count = len(free)
         gradient, matrix = np.zeros(count), np.zeros((count, count))

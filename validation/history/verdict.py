@@ -22,8 +22,8 @@ from validation.history.history import Body, Version, VersionSize
 from validation.model.model import Added
 from validation.output import nats, odds, with_unit
 from validation.prediction import effects
-from validation.prediction.effects import full
 from validation.prediction.series import SeriesPrediction
+from validation.prediction.tangents import full
 from validation.study import Study
 
 # Whether the data can tell an effect from those that the model has already: the direction of the Fisher matrix says.

@@ -27,7 +27,7 @@ from geometry.inertia import Inertia, judge, parallel_axis, six_from_tensor, ten
 from geometry.sensors import Tolerances
 from geometry.toml_file import nearest, string
 from geometry.user_article import DESCRIPTION
-from identification.chain import assumed_stiffness
+from identification.load_cells import assumed_stiffness
 from identification.response_functions import GAIN
 from validation.classical.files import Fields
 from validation.effects.catalogue import FAMILIES, Named, parse

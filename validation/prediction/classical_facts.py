@@ -33,9 +33,9 @@ from validation.estimation.problem import Offsets, Parameter
 from validation.model.model import Added, Model
 from validation.model.setups import FMD, above_fmd
 from validation.prediction import effects as prediction_effects
-from validation.prediction import structure
-from validation.prediction.effects import full
-from validation.prediction.structure import drawn_inertia, mounted_article
+from validation.prediction import mounting
+from validation.prediction.mounting import drawn_inertia, mounted_article
+from validation.prediction.tangents import full
 
 if TYPE_CHECKING:
     from uncertainties import UFloat
@@ -397,7 +397,7 @@ def article_of(model: Model, source: str, stated: str) -> OfArticle:
     inertia = drawn_inertia(model, name)
     built_in = set(name.split("+")) <= set(NAMES)
     places = locations(name, changes_of(name, model.changes)) if built_in else {}
-    return OfArticle(article=name, drawn=structure.of_inertia(inertia, places))
+    return OfArticle(article=name, drawn=mounting.of_inertia(inertia, places))
 
 
 # Is what stands on the cover plate still a body once the effects of a model act? Asked before anything is fitted.
@@ -418,7 +418,7 @@ def require_bodies(model: Model, campaigns: Sequence[Campaign]) -> None:
 
     Raises
     ------
-    BadInput : such effects, with the inertia that results; whatever `validation.prediction.structure.mounted_article` refuses.
+    BadInput : such effects, with the inertia that results; whatever `validation.prediction.mounting.mounted_article` refuses.
     """
     if not any(one.named.family in WEIGHED for one in model.effects):
         return

@@ -26,8 +26,9 @@ from validation.estimation.problem import IDENTIFIED, Offsets, Parameter, Wanted
 from validation.model.model import Added
 from validation.model.tolerance_classes import MountingTolerances
 from validation.prediction import effects as prediction_effects
-from validation.prediction.effects import FIELDS, Nuisances, Tangent
-from validation.prediction.structure import MountedArticle
+from validation.prediction.effects import Nuisances
+from validation.prediction.mounting import MountedArticle
+from validation.prediction.tangents import FIELDS, LOSS_COUPLING, Tangent, full, with_damping_law, with_losses_by_mode
 
 FEW = 3
 """Up to so many coordinates a sum of outer products is the quicker way."""
@@ -761,14 +762,14 @@ def structure(
     drawn, changes = of.at(offsets, derivatives=derivatives)
     matrices, tangents = prediction_effects.structure(drawn, changes, effects, derivatives=derivatives)
     if laws := of.laws:
-        matrices, tangents = prediction_effects.with_damping_law(
+        matrices, tangents = with_damping_law(
             matrices, tangents, of.nominal, offsets, derivatives=every, laws=laws, coupling=structural
         )
-    if prediction_effects.LOSS_COUPLING in laws and (told := drawn.viscous - viscous).any():
-        share, size = offsets.get(prediction_effects.LOSS_COUPLING, 0.0), len(told)
+    if LOSS_COUPLING in laws and (told := drawn.viscous - viscous).any():
+        share, size = offsets.get(LOSS_COUPLING, 0.0), len(told)
         own = {name: one for name, one in changes.items() if share and one.viscous.any() and not name.startswith("coupling:")}
-        moved = {name: prediction_effects.full(one, "viscous", size) for name, one in own.items()}
-        matrices, tangents = prediction_effects.with_losses_by_mode(matrices, tangents, told, moved, share, derivatives=every)
+        moved = {name: full(one, "viscous", size) for name, one in own.items()}
+        matrices, tangents = with_losses_by_mode(matrices, tangents, told, moved, share, derivatives=every)
     return matrices, {name: change for name, change in tangents.items() if is_wanted(name, derivatives)}
 
 

@@ -4,7 +4,7 @@ An effect that the model holds for known is no parameter. Effects act in their o
 leaves it alone, so that one model serves a series of articles.
 """
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf, log, sqrt
@@ -15,13 +15,26 @@ import numpy as np
 
 from fem.damping import ASSUMED_WITHIN, DEFAULT_RATIO
 from geometry.dynamic_mass import MOTIONS, ComplexArray
-from geometry.frames import Array, Integers
+from geometry.frames import Array
 from validation.effects.catalogue import FAMILIES, Named, There, acts, there
 from validation.effects.effect import BODY_STAGE, CHANNEL_STAGE, OPENED, STRUCTURE_STAGE, Family, SizeSpec
 from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicMass, Shares
 from validation.estimation.problem import DECLARED, EFFECT, STRUCTURAL, WITHIN, Offsets, Parameter, Wanted, is_wanted
 from validation.model.model import Added, StructureTolerances
 from validation.prediction.structure import HIGHEST, ReducedStructure, sheet
+from validation.prediction.tangents import (
+    DAMPING_LAW,
+    FIELDS,
+    LAWS,
+    LOSS_COUPLING,
+    NEIGHBOURS,
+    SOFTEST,
+    Tangent,
+    between,
+    crossed,
+    of_arrays,
+    plus,
+)
 
 # What a model declares to know of a structure only within tolerances: moduli, frequencies, damping, participation, coupling.
 #
@@ -48,224 +61,6 @@ from validation.prediction.structure import HIGHEST, ReducedStructure, sheet
 # effects add to the same matrix, and only in a straight valley between the two does a fit find the lowest point. Where damping
 # is given by mode there is nothing else to move, and the modes have it all.
 
-
-# `Tangent`: how reduced matrices change with one parameter, on the few coordinates that do.
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Tangent:
-    """d `Matrices` / d offset of one parameter.
-
-    Attributes
-    ----------
-    at : (s,) the coordinates concerned; coordinates that later effects append need no change here
-    mass, stiffness, viscous, structural : (s, s)
-    parts : by name (k, k), where the share of a part changes
-    crossing : position in `at` of the coordinate whose row and column alone change; None where more may
-    lossier : the coordinate whose losses grow, and of parts with them what effects add; None of all others
-    """
-
-    at: Integers
-    mass: Array
-    stiffness: Array
-    viscous: Array
-    structural: Array
-    parts: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
-    crossing: int | None = None
-    lossier: int | None = None
-
-
-FIELDS = ("mass", "stiffness", "viscous", "structural")
-
-
-NOT_BY_PARTS: Mapping[str, Array] = MappingProxyType({})
-
-
-def of_arrays(size: int, parts: Mapping[str, Array] = NOT_BY_PARTS, **changes: Array) -> Tangent:
-    """The tangent of full (size, size) `changes` by the names of `FIELDS`; what is not named does not change."""
-    moving = np.zeros(size, dtype=bool)
-    for change in changes.values():
-        for axis in (0, 1):
-            if not moving.all():
-                moving |= change.any(axis=axis)
-    at = np.flatnonzero(moving)
-    nothing, whole = np.zeros((len(at), len(at))), len(at) == size
-    own = {name: change if whole else change[np.ix_(at, at)] for name, change in changes.items()}
-    mass, stiffness, viscous, structural = (own.get(name, nothing) for name in FIELDS)
-    return Tangent(at=at, mass=mass, stiffness=stiffness, viscous=viscous, structural=structural, parts=parts)
-
-
-def crossed(r: int, **changed: Array) -> Tangent:
-    """The tangent d (E matrix E) / d ln e_r of symmetric matrices by the names of `FIELDS`, of which `changed` are the rows `r`
-    (k,): row and column `r`, twice where they meet."""
-    at = np.flatnonzero(np.logical_or.reduce([row != 0 for row in changed.values()]))
-    if (where := int(np.searchsorted(at, r))) == len(at) or at[where] != r:
-        at = np.insert(at, where, r)
-    made = {name: np.zeros((len(at), len(at))) for name in FIELDS}
-    for name, row in changed.items():
-        made[name][where] += row[at]
-        made[name][:, where] += row[at]
-    mass, stiffness, viscous, structural = (made[name] for name in FIELDS)
-    return Tangent(at=at, mass=mass, stiffness=stiffness, viscous=viscous, structural=structural, crossing=where)
-
-
-def between(before: Matrices, after: Matrices, step: float) -> Tangent:
-    """(after - before) / step."""
-    pairs = {name: (getattr(before, name), getattr(after, name)) for name in FIELDS}
-    changes = {name: (new - old) / step for name, (old, new) in pairs.items() if new is not old}
-    parts = Shares(after.parts, lambda name: (after.parts[name] - before.parts[name]) / step)
-    return of_arrays(len(before.mass), parts, **changes)
-
-
-def plus(one: Tangent, other: Tangent, size: int) -> Tangent:
-    """The sum of both, on matrices of `size`, with the shares of parts of the `other`."""
-    some = [name for name in FIELDS if getattr(one, name).any() or getattr(other, name).any()]
-    whole = {name: full(one, name, size) + full(other, name, size) for name in some}
-    return of_arrays(size, other.parts, **whole)
-
-
-def full(tangent: Tangent, name: str, size: int) -> Array:
-    """The field `name` of `tangent` on all coordinates, (size, size)."""
-    whole = np.zeros((size, size))
-    whole[np.ix_(tangent.at, tangent.at)] = getattr(tangent, name)
-    return whole
-
-
-# Whether the losses of a structure follow its displacement or its velocity: nobody knows, and beside a resonance it matters.
-#
-# Structural damping S and viscous damping that is equal to it at every resonance, C_rs = S_rs / sqrt(omega_r omega_s), take the
-# same off every peak, and differ by (1 - omega / omega_r) of themselves beside it. Real joints and layers lie in between (L.
-# Gaul, Mechanical Systems and Signal Processing 13 (1999), 473). So a share p of what is structural is taken for viscous:
-#
-#     S' = (1 - p) S ,        C' = C + p W S W ,        W = diag(omega_r^-1/2) of the nominal modes.
-#
-# With p beyond 0 to 1, as with less than no loss of a part, a structure would feed its motion somewhere.
-
-DAMPING_LAW = "damping-law"
-"""Of the share; one for all structures of a series."""
-
-# Nor does anybody know whether they couple modes. What parts lose does, as S has entries beside its diagonal; what joints and air
-# lose beside them, in any shape, is told by mode alone and called classical (T. K. Caughey and M. E. J. O'Kelly, J. Applied
-# Mechanics 32 (1965), 583). So a share c of what lies beside the diagonal of the modes is taken away: S_rs' = (1 - c) S_rs.
-# And what is told by mode couples the modes that an effect turns, unless a real structure's are classical again: of these modes
-# as they stand, C_rs' = (1 - c w_rs) C_rs, w from 0 of neighbours, whose coupling has a number of its own, to 1 beyond them.
-
-LOSS_COUPLING = "loss-coupling"
-"""Of the share that is not there; one for all structures of a series."""
-
-LAWS = (DAMPING_LAW, LOSS_COUPLING)
-
-LIGHTEST = float(np.finfo(np.float64).tiny)
-"""[kg] of a coordinate that only gives: where a model has massless degrees of freedom."""
-
-
-def with_damping_law(
-    matrices: Matrices,
-    tangents: Mapping[str, Tangent],
-    nominal: Matrices,
-    offsets: Offsets,
-    *,
-    derivatives: bool,
-    laws: Collection[str] = LAWS,
-    coupling: Array | None = None,
-) -> tuple[Matrices, dict[str, Tangent]]:
-    """`matrices` with the shares of `offsets`, their `tangents` behind them, and those by the shares.
-
-    Parameters
-    ----------
-    nominal : the matrices at offset 0 and without effects, whose modes say at which frequency the two dampings agree
-    derivatives : whether any are wanted
-    laws : of `LAWS` those whose shares are open
-    coupling : (k, k) what of the structural damping is no loss of parts, see `Nuisances.coupling`; none by default
-    """
-    # (k,) omega^-1/2 of every coordinate; 0 of the base and of what effects append, which brings its own losses
-    W, there = np.zeros(len(matrices.mass)), slice(nominal.base, len(nominal.mass))
-    with np.errstate(over="ignore"):  # what has next to no mass moves as fast as can be
-        square = np.diag(nominal.stiffness)[there] / np.maximum(np.diag(nominal.mass)[there], LIGHTEST)
-    W[there] = np.where(square > 0, square, np.inf) ** -0.25
-    share, apart = offsets.get(DAMPING_LAW, 0.0), offsets.get(LOSS_COUPLING, 0.0)
-    own = np.outer(W > 0, W > 0).astype(np.float64)  # 1 where both coordinates lose by this law, 0 elsewhere
-    beside, within = own * (1 - np.eye(len(W))), W[:, None] * W
-    between, found = np.zeros_like(own), dict(tangents)
-    if coupling is not None:
-        between[: len(coupling), : len(coupling)] = coupling
-    coupled = matrices.structural - between
-    kept, together = 1 - share * own, 1 - apart * beside
-    turning = share * within
-    if apart:
-        matrices = replace(matrices, structural=coupled * together + between)
-    for name, tangent in tangents.items() if share or apart else ():
-        if tangent.structural.any():
-            at = np.ix_(tangent.at, tangent.at) if len(tangent.at) < len(W) else ...
-            lost = tangent.structural * together[at] if apart and not name.startswith("coupling:") else tangent.structural
-            viscous = turning[at] * lost
-            viscous += tangent.viscous
-            found[name] = (
-                replace(tangent, structural=lost * kept[at], viscous=viscous) if share else replace(tangent, structural=lost)
-            )
-    turned = within * matrices.structural
-    if derivatives and DAMPING_LAW in laws:
-        found[DAMPING_LAW] = of_arrays(len(W), viscous=turned, structural=-matrices.structural * own)
-    if derivatives and LOSS_COUPLING in laws:
-        less = -coupled * beside
-        found[LOSS_COUPLING] = of_arrays(len(W), structural=less * kept, viscous=turning * less)
-    left = matrices.structural * kept
-    return replace(matrices, structural=left, viscous=matrices.viscous + share * turned), found
-
-
-NEIGHBOURS = 0.1
-"""Greatest distance of two frequencies, as a share of the higher one, at which the damping of one mode is taken to pull at the
-other: beyond it their resonances do not overlap, and the coupling is of second order in the damping."""
-
-
-def with_losses_by_mode(
-    matrices: Matrices,
-    tangents: Mapping[str, Tangent],
-    told: Array,
-    moved: Mapping[str, Array],
-    share: float,
-    *,
-    derivatives: bool,
-) -> tuple[Matrices, dict[str, Tangent]]:
-    """`matrices` without a `share` of what the losses that are `told` by mode (n, n) couple the modes by as they stand now, their
-    `tangents` behind it, and that by the share; `moved` (n, n) are the derivatives of `told` by parameter."""
-    found, own = dict(tangents), np.flatnonzero(np.diag(told))
-    at, size = np.ix_(own, own), len(matrices.mass)
-    heavy, axes = np.linalg.eigh(matrices.mass[at])
-    root = axes / np.sqrt(np.maximum(heavy, SOFTEST * heavy[-1]))
-    squares, turned = np.linalg.eigh(root.T @ matrices.stiffness[at] @ root)
-    shapes = root @ turned
-    back, lost = np.linalg.inv(shapes), shapes.T @ told[at] @ shapes
-    gap, both = squares - squares[:, None], np.maximum(squares + squares[:, None], LIGHTEST)
-    apart = gap / both
-    weight = apart**2 / (apart**2 + NEIGHBOURS**2)
-
-    def placed(inner: Array) -> Tangent:
-        viscous = np.zeros((size, size))
-        viscous[at] = -back.T @ inner @ back
-        return of_arrays(size, viscous=viscous)
-
-    coupled = weight * lost
-    away = placed(coupled)
-    for name, tangent in tangents.items() if share else ():
-        mass, stiffness = (shapes.T @ full(tangent, field, size)[at] @ shapes for field in ("mass", "stiffness"))
-        more = shapes.T @ moved[name][at] @ shapes if name in moved else np.zeros_like(lost)
-        if not (mass.any() or stiffness.any() or more.any()):
-            continue
-        # First-order perturbation (Fox & Kapoor 1968); modes that are one for rounding turn into each other by nothing
-        Z = np.divide(stiffness - mass * squares, gap, out=np.zeros_like(gap), where=np.abs(apart) > SOFTEST)
-        np.fill_diagonal(Z, -np.diag(mass) / 2)
-        grown = np.diag(stiffness) - squares * np.diag(mass)
-        parted = 2 * (squares[:, None] * grown - squares * grown[:, None]) / both**2
-        inner = 2 * NEIGHBOURS**2 * apart * parted / (apart**2 + NEIGHBOURS**2) ** 2 * lost
-        inner += weight * (more + Z.T @ lost + lost @ Z) - Z.T @ coupled - coupled @ Z
-        less = placed(share * inner)
-        found[name] = replace(plus(tangent, less, size), parts=tangent.parts, lossier=tangent.lossier)
-    if derivatives:
-        found[LOSS_COUPLING] = plus(found[LOSS_COUPLING], away, size) if LOSS_COUPLING in found else away
-    return replace(matrices, viscous=matrices.viscous + share * full(away, "viscous", size)), found
-
-
 ASSUMED = (
     f"nobody states what the structure loses: {100 * DEFAULT_RATIO:g} % of critical in every mode is assumed, within a factor of "
     f"{ASSUMED_WITHIN:g}; `loss_factor` of the model or of its parts states it"
@@ -291,9 +86,6 @@ tests/validation/prediction/test_nuisances.py."""
 TURNED = 1e-3
 """[share of one mode's shape in another's] that a mesh may leave unsure unsaid: where the other hardly moves, its resonance
 raises it fiftyfold. Held by tests/validation/prediction/test_structure_tests.py."""
-
-SOFTEST = 1e-9
-"""[share of the stiffest coordinate's stiffness] below which one moves without strain. By definition."""
 
 FINE_MESH = 0.1
 """[tolerance of a frequency] below which what a mesh leaves unsure of every mode is no parameter: it adds half a per cent to the

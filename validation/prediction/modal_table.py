@@ -35,7 +35,8 @@ from validation.estimation.problem import Change, Lines, Measured, Offsets, Para
 from validation.model.model import Added
 from validation.prediction import dynamic_mass, points
 from validation.prediction import effects as prediction_effects
-from validation.prediction.effects import Nuisances, Tangent
+from validation.prediction.effects import Nuisances
+from validation.prediction.tangents import LAWS, Tangent
 
 FREQUENCY, DAMPING = "frequency", "damping"
 """Channels of the one data set of a table; those of the other are its sensors."""
@@ -43,7 +44,7 @@ FREQUENCY, DAMPING = "frequency", "damping"
 WINDOW = "exponential-window"
 """A fault of the method, a parameter where an effect opens it."""
 
-LOSSES = ("loss", "damping", "coupling", "structural-damping", *prediction_effects.LAWS)
+LOSSES = ("loss", "damping", "coupling", "structural-damping", *LAWS)
 """Families of parameters that change what a mode loses, and neither its frequency nor its shape."""
 
 SLOWEST = 0.01

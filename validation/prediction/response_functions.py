@@ -23,14 +23,16 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import Point, Tolerances
 from identification.response_functions import GAIN, ResponseFunctions
+from identification.spectra import noise as noise_of_lines
 from validation.effects.catalogue import There
 from validation.effects.stages import ChannelResponse, Matrices
 from validation.estimation.problem import IDENTIFIED, Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted
 from validation.model.model import Added
-from validation.prediction import dynamic_mass, points, series
+from validation.prediction import dynamic_mass, points
 from validation.prediction import effects as prediction_effects
 from validation.prediction.dynamic_mass import AttachedResponse, Finite, structure
-from validation.prediction.effects import Nuisances, Tangent
+from validation.prediction.effects import Nuisances
+from validation.prediction.tangents import Tangent
 
 FORCE_CHANNEL = "force"
 FORCE = f"force-gain:{FORCE_CHANNEL}"
@@ -537,7 +539,7 @@ def of(
         # As far as readings of one number differ beside their noise: linear, it answers at i to a force at j as at j to one at i
         alike, own = (one[both][:, :, [at[k] for k in both]] for one in (functions.values, functions.noise))
         scatter = np.median(own / np.maximum(np.abs(alike), np.finfo(np.float64).tiny))
-        share = np.sqrt(max(series.repeatability(alike) ** 2 - scatter**2, 0.0))
+        share = np.sqrt(max(noise_of_lines.repeatability(alike) ** 2 - scatter**2, 0.0))
         functions = replace(functions, noise=np.hypot(functions.noise, share * np.abs(functions.values)))
     test = ResponseFunctionTest(
         measured=functions,
@@ -596,7 +598,7 @@ def measured(
     share: float = 0.0,
     noise: Array | None = None,
 ) -> Measured:
-    """The data set of a test; noise that is not known is that of the scatter of the lines (`validation.prediction.series`).
+    """The data set of a test; noise that is not known is that of the scatter of the lines (`identification.spectra.noise`).
 
     Parameters
     ----------
@@ -612,8 +614,8 @@ def measured(
     kept = (f >= low) & (f <= high)
     if noise is None:
         step = float(np.median(np.diff(f)))
-        around = max(series.AROUND, step * series.FEWEST / 2)
-        noise = series.noise(f, values, around) * np.sqrt(1 + SCATTERS * step / (2 * around))
+        around = max(noise_of_lines.NEIGHBOURHOOD, step * noise_of_lines.FEWEST_NEIGHBOURS / 2)
+        noise = noise_of_lines.between_neighbours(f, values, around) * np.sqrt(1 + SCATTERS * step / (2 * around))
     return Measured(
         name=name,
         configuration=configuration,

@@ -23,12 +23,12 @@ from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers
 from geometry.sensors import Channel, Place
-from identification.campaign import Campaign, Processing, Run
+from identification.campaign import Campaign, Processing
 from identification.chain import Chain, chain
 from identification.self_calibration.solve import smoothed_level
 from identification.spectra.line_spectra import Spectra, hann
 from identification.spectra.noise import of_block, of_full_record
-from identification.spectra.of_campaign import SAME_LINE, grid, spectra
+from identification.spectra.of_campaign import OTHERWISE, between, by_level, lines_of, spectra, stated_drives
 from validation.effects.catalogue import FAMILIES, There, acts
 from validation.effects.effect import AMPLITUDE, BODY_STAGE, CHANNEL_STAGE, NOISE_STAGE, OPENED, PROCESSING, STRUCTURE_STAGE
 from validation.effects.stages import ChannelResponse, NoiseModel, leak
@@ -38,7 +38,7 @@ from validation.model.tolerance_classes import METROLOGY
 from validation.prediction import dynamic_mass
 from validation.prediction import effects as prediction_effects
 from validation.prediction.dynamic_mass import AttachedResponse, BaseDrive, Finite, SolvedStructure, SupportedDynamicMass, drives
-from validation.prediction.structure import MountedArticle, mounted_article, moving_part
+from validation.prediction.mounting import MountedArticle, mounted_article, moving_part
 
 # The measurement chain of one campaign as a model knows it, in the engine's words.
 
@@ -75,87 +75,6 @@ def _chain(model: Model, campaign: Campaign, overrides: Mapping[str, float]) -> 
         overrides=overrides,
         on_article=tuple(mounted_article(model, campaign).sensors) if upon else (),
     )
-
-
-# Which lines of a campaign its runs drive: a line that a run does not drive holds noise, and no model is judged by noise.
-#
-# A run says what it drives, or its level does. Only lines that every run drives are kept, since all runs share one grid.
-
-WELL_ABOVE = 10.0
-"""Level over known noise of the channel that sees most, from which a line is driven. Of 22 channels of pure noise the largest
-reaches about 3 at the worst of a thousand lines."""
-
-Chosen = npt.NDArray[np.bool_]
-
-OTHERWISE = "--band decides otherwise"
-
-
-def stated_drives(campaign: Campaign) -> tuple[float, float] | None:
-    """(low, high) [Hz] that all runs that state what they drive have in common; None where none does.
-
-    Raises
-    ------
-    BadInput : they have no line in common.
-    """
-    ends = {run.name: found for run in campaign.runs if (found := _ends(run)) is not None}
-    if not ends:
-        return None
-    low, high = max(of[0] for of in ends.values()), min(of[1] for of in ends.values())
-    lines = lines_of(campaign)
-    if not low < high or not np.any(_between(lines, low, high)):
-        said = ", ".join(f"{name} drives {of[0]:g} to {of[1]:g} Hz" for name, of in ends.items())
-        raise BadInput(
-            source=campaign.source,
-            field="run.excitation",
-            problem=f"all runs together drive none of the lines from {lines[0]:g} to {lines[-1]:g} Hz: {said}",
-            remedy="Correct start_hz and stop_hz, or choose the lines with --band LOW HIGH",
-        )
-    return low, high
-
-
-def by_level(campaign: Campaign, found: Spectra, groups: Sequence[Sequence[int]]) -> tuple[Chosen, tuple[str, ...]]:
-    """(n,) lines of `found` that stand well above the noise in every run that states nothing, and what is to be said.
-
-    Parameters
-    ----------
-    groups : columns of channels, in each of which the line must show: forces, accelerations
-    """
-    silent = [k for k, run in enumerate(campaign.runs) if _ends(run) is None]
-    every = np.ones(len(found.frequency), dtype=bool)
-    if not silent:
-        return every, ()
-    # Whether the best channel of each group stands well above its noise; noise that is not known counts as none
-    above = np.abs(found.values[silent]) > WELL_ABOVE * found.noise[silent]
-    loud = np.all([np.any(above[:, :, list(columns)], axis=2) for columns in groups if len(columns)], axis=(0, 1))
-    some_names = [campaign.runs[k].name for k in silent]
-    names = ", ".join(some_names[:6]) + (f" and {len(some_names) - 6} more" if len(some_names) > 6 else "")
-    if not np.any(loud):
-        said = f"no line stands {WELL_ABOVE:g} times above the noise in every run, and {names} state nothing of what they drive"
-        return every, (f"of {campaign.source} all lines are kept: {said}",)
-    if np.all(loud):
-        return every, ()
-    kept = found.frequency[loud]
-    which = f"{int(np.sum(~loud))} of {len(loud)} lines of {campaign.source}"
-    left = f"{which} are left out, {kept[0]:g} to {kept[-1]:g} Hz remain"
-    why = f"there the level is below {WELL_ABOVE:g} times the noise in {names}, which state nothing of what they drive"
-    return loud, (f"{left}: {why}; {OTHERWISE}",)
-
-
-def lines_of(campaign: Campaign) -> Array:
-    """(n,) [Hz] of the files, or those of the campaign's processing."""
-    recorded = next(iter(campaign.recordings.values()), None)
-    there = None if recorded is None else recorded.frequency
-    return grid(campaign) if there is None else there[there > 0]
-
-
-def _ends(run: Run) -> tuple[float, float] | None:
-    """(low, high) [Hz] of what a run states to drive."""
-    return None if run.excitation is None else run.excitation.band
-
-
-def _between(lines: Array, low: float, high: float) -> Chosen:
-    slack = SAME_LINE * (high - low)
-    return np.asarray((lines >= low - slack) & (lines <= high + slack))
 
 
 # From a campaign to `Measured`: the complex lines of the channels that the chain predicts; forces are judged.
@@ -201,7 +120,7 @@ def measured(
     forces = [of.columns[k] for k in of.forces.columns]  # are judged; inputs are estimated from the others
     kept, remarks = by_level(campaign, found, (forces, [column for column in of.columns if column not in forces]))
     lines = lines_of(campaign)
-    if stated is not None and (left := int(np.sum(~_between(lines, *stated)))):
+    if stated is not None and (left := int(np.sum(~between(lines, *stated)))):
         which = f"{left} of the {len(lines)} lines of {campaign.source}, {lines[0]:g} to {lines[-1]:g} Hz, are left out"
         why = f"all of its runs together drive {stated[0]:g} to {stated[1]:g} Hz, as they state"
         remarks = (f"{which}: {why}; {OTHERWISE}", *remarks)
@@ -840,66 +759,3 @@ def _changing(rows: ComplexArray) -> problem.Change:
 
 def _stage(added: Added) -> str:
     return FAMILIES[added.named.family].stage
-
-
-# Noise of lines that brought no records along, from the lines themselves.
-#
-# First, what is left when each line is compared with the mean of its neighbours. A response function is smooth over three lines
-# but for its resonances, noise is not: of y_k - (y_k-1 + y_k+1) / 2 noise of variance sd² makes 3/2 sd². The median over a
-# stretch of lines does not notice a resonance that is narrow beside it; the bent skirts of a high one make the noise look larger
-# there, not smaller. A complex normal number has the median modulus sd sqrt(ln 2) (Hampel, J. Am. Stat. Assoc. 69, 1974, for
-# such medians).
-#
-# Second, how far readings repeat: a linear structure answers at i to a force at j as it answers at j to one at i (Rayleigh, The
-# Theory of Sound, 1877, chapter 5), so that two runs measured the same number. What they differ by grows with what is read.
-
-AROUND = 1.0
-"""[Hz] to either side of a line over which the median is taken; a resonance is far narrower."""
-
-FEWEST = 7
-"""Lines that such a stretch must hold."""
-
-LEAST = float(np.finfo(np.float64).tiny)
-
-_OF_MEDIAN = 1 / np.sqrt(1.5 * np.log(2))
-
-
-def repeatability(accelerances: npt.ArrayLike) -> float:
-    """Standard deviation of a reading as a share of it, from `accelerances` (r, n, r), run j driven where channel j reads.
-
-    What one reading is times the other at all lines is a gain and no scatter.
-
-    Raises
-    ------
-    ValueError : another shape, or one run alone.
-    """
-    A = np.asarray(accelerances, dtype=np.complex128)
-    r = len(A)
-    if A.ndim != 3 or A.shape[2] != r or r < 2:
-        raise ValueError(f"`accelerances` must be (r, n, r) with two runs or more, found {A.shape}")
-    pairs = [(A[j, :, i], A[i, :, j]) for i in range(r) for j in range(i)]
-    pairs = [(one, other * np.vdot(other, one).real / max(np.vdot(other, other).real, LEAST)) for one, other in pairs]
-    apart = [np.abs(one - other) / np.maximum(np.hypot(np.abs(one), np.abs(other)), LEAST) for one, other in pairs]
-    return float(np.median(np.concatenate(apart)) / np.sqrt(np.log(2)))
-
-
-def noise(frequency: npt.ArrayLike, values: npt.ArrayLike, around: float = AROUND) -> Array:
-    """Standard deviation (r, n, c) of the complex noise of `values` (r, n, c) at `frequency` (n,) [Hz], E|noise|² = sd².
-
-    Lines at either end take that of the nearest line around which a whole window lies: a window cut short there would have half
-    of its lines or, were they repeated, a single one.
-
-    Raises
-    ------
-    ValueError : fewer than `FEWEST` lines lie within `around` of some line.
-    """
-    from scipy.ndimage import median_filter
-
-    f, y = np.asarray(frequency, dtype=np.float64), np.asarray(values, dtype=np.complex128)
-    width = 2 * round(around / float(np.median(np.diff(f)))) + 1 if len(f) > 1 else 1
-    if width < FEWEST or len(f) < width:
-        raise ValueError(f"`frequency` must hold {FEWEST} lines within {around:g} Hz of each line, found a spacing for {width}")
-    left = np.abs(y[:, 1:-1] - (y[:, :-2] + y[:, 2:]) / 2)
-    half = min(width // 2, (left.shape[1] - 1) // 2)
-    whole = median_filter(left, size=(1, width, 1), mode="nearest")[:, half : left.shape[1] - half]
-    return np.asarray(_OF_MEDIAN * np.pad(whole, ((0, 0), (half + 1, half + 1), (0, 0)), mode="edge"))

@@ -1,13 +1,7 @@
-"""`Standing`: what stands on the cover plate in one campaign, as a model describes it, before any effect.
-
-The campaign's `article` picks it: nothing for an FMD alone, a built-in stack of beams or rigid, or a user's own model. Where it
-is mounted is what the campaign states, else the seat of the built-in FMD.
-"""
+"""`ReducedStructure`: a structure with its mesh on few coordinates, whether it stands, floats or is driven by its base."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import lru_cache
-from pathlib import Path
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -17,28 +11,19 @@ from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
 from fem import damping as fem_damping
-from fem.base_excitation import rig
-from fem.damping import Damping, damping_per_mode, default_damping, is_assumed, symmetric
+from fem.damping import Damping, default_damping, symmetric
 from fem.factorisers import Factor, factorise
-from fem.modes import Modes, fixed_base, floating_shift, lowest
-from fem.reduction import static_shapes
+from fem.modes import Modes, floating_shift, lowest, static_shapes
 from fem.structure import LOOSE, Carrier, HeldBase, Sparse, Structure, hold, place_rows, position_of, restricted
-from fem.user_model.reading import UsersModel, is_model, load
-from geometry import routes
 from geometry.article import Article
-from geometry.articles import NAMES, built_in, changes_of, locations
 from geometry.errors import BadInput, CheckFailed
-from geometry.frames import Array, Integers, Pose, rigid_transformation, rigid_transformation_6
+from geometry.frames import Array, Integers, rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia
-from identification.campaign import Campaign
-from validation.effects.catalogue import There, there
-from validation.effects.effect import at_position, position
+from validation.effects.effect import position
 from validation.effects.families.layer_damping import LAYER
 from validation.effects.stages import JointSprings, Kept, Matrices, Shares, each
 from validation.flexible.model import nearest_part
 from validation.flexible.modes import displacement
-from validation.model.model import RIGID, Model
-from validation.model.setups import FMD, above_fmd, mounted
 
 # `Matrices` of what stands on its base, or is held: the nominal modal basis, changed by effects and never re-diagonalised.
 #
@@ -46,7 +31,7 @@ from validation.model.setups import FMD, above_fmd, mounted
 #                                                               |   L^T    1 |
 #
 # Beside the kept modes Phi holds static answers of the structure, orthonormal to them in the mass: to accelerations of the base,
-# so that the residual mass of the truncated modes needs no term of its own (`fem.reduction`), and to the elastic forces of
+# so that the residual mass of the truncated modes needs no term of its own (`fem.modes`), and to the elastic forces of
 # every part in the modes of the band, so that a part that is softer, stiffer or lossier than drawn bends the modes as it bends
 # those of the structure itself (Kirsch, AIAA Journal 29, 1991: the first terms of the series in K^-1 dK are the basis of a
 # reanalysis). Structural damping stays what it is, S = sum of eta_p K_p beside K; places and parts see all coordinates.
@@ -109,7 +94,7 @@ def of_structure(
     """
     free = hold(structure)
     rows = _displacement(structure, free, places, article)
-    shapes = _basis(structure, free, modes, free.load, rows, band)
+    shapes = _basis(structure, free, modes, rows, band)
     used = damping or fem_damping.default_damping(structure)
     own = _on_shapes(structure, free, shapes, rows, modes.frequency, used, modes)
     return _driven(structure, own, _motions(structure, free, shapes), places, cog)
@@ -154,72 +139,10 @@ def _driven(
     )
 
 
-def held(
-    structure: Structure,
-    modes: Modes,
-    places: Places = NOWHERE,
-    *,
-    damping: Damping | None = None,
-    article: Article | None = None,
-    band: float = BAND,
-) -> Matrices:
-    """`structure` with its base held still; static answers to forces at all places are among the coordinates.
-
-    Parameters
-    ----------
-    band : as `of_structure`
-
-    Raises
-    ------
-    ValueError : modes without shapes, or of other damping.
-    """
-    free = hold(structure)
-    rows = _displacement(structure, free, places, article)
-    loads = np.vstack([np.zeros((0, len(free.free))), *rows.values()]).T
-    shapes = _basis(structure, free, modes, loads, rows, band)
-    return _on_shapes(structure, free, shapes, rows, modes.frequency, damping or fem_damping.default_damping(structure), modes)
-
-
-def of_inertia(inertia: Inertia, places: Places = NOWHERE) -> Matrices:
-    """A rigid body on its moving base, about the article's origin."""
-    about = inertia.about(np.zeros(3))
-    nothing = np.zeros((BASE, BASE))
-    return Matrices(
-        base=BASE,
-        mass=about.mass_matrix,
-        stiffness=nothing,
-        viscous=nothing,
-        structural=nothing,
-        places={name: rigid_transformation(at) for name, at in places.items()},
-        cog=about.cog,
-    )
-
-
-def of_modes(modes: Modes, cog: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Matrices:
-    """A body of which modal data alone are known: no places and no parts; further modes carry its residual mass.
-
-    Raises
-    ------
-    BadInput : modes that take more mass than there is, in some direction.
-    """
-    made = rig.of_modal_data("modal data", modes).reduced
-    kept = slice(BASE, BASE + modes.frequency.size)
-    stiffness, viscous, structural = (np.array(a) for a in (made.stiffness, made.viscous, made.structural))
-    stiffness[kept, kept] = np.diag((2 * np.pi * modes.frequency) ** 2)
-    viscous[kept, kept], structural[kept, kept] = modes.viscous, modes.structural
-    return Matrices(
-        base=BASE,
-        mass=made.mass,
-        stiffness=stiffness,
-        viscous=viscous,
-        structural=structural,
-        cog=np.asarray(cog, dtype=np.float64),
-    )
-
-
-def _basis(structure: Structure, free: HeldBase, modes: Modes, loads: Array, rows: Rows, band: float) -> Array:
-    """Kept modes and static answers beside them (f, n): to `loads` (f, k), then to what effects at parts and places will pull."""
-    shapes = _loaded(structure, free, modes, loads)
+def _basis(structure: Structure, free: HeldBase, modes: Modes, rows: Rows, band: float) -> Array:
+    """Kept modes and static answers beside them (f, n): to accelerations of the base, then to what effects will pull."""
+    shapes = _kept(structure, free, modes)
+    shapes = np.hstack([shapes, static_shapes(free.stiffness, free.mass, free.load, shapes)])
     swinging = modes.shapes[free.free][:, modes.frequency <= band]
     pulls = [restricted(K, free.free) @ swinging for K in parts_of(structure).values()]
     heavy = HEAVY * np.trace(structure.rigid_mass[:3, :3]) / 3 * (2 * np.pi * band) ** 2
@@ -236,14 +159,13 @@ def _basis(structure: Structure, free: HeldBase, modes: Modes, loads: Array, row
     return np.hstack([shapes, static_shapes(free.stiffness, free.mass, bending, shapes)]) if bending.size else shapes
 
 
-def _loaded(structure: Structure, free: HeldBase, modes: Modes, loads: Array) -> Array:
-    """Kept modes and static answers to `loads` (f, k) beside them (f, n)."""
+def _kept(structure: Structure, free: HeldBase, modes: Modes) -> Array:
+    """(f, n) what the free degrees of freedom move in `modes`."""
     if len(modes.shapes) != structure.mass.shape[0]:
         raise ValueError(
             f"`modes` must bring shapes on all {structure.mass.shape[0]} degrees of freedom, found {len(modes.shapes)}"
         )
-    shapes = modes.shapes[free.free]
-    return np.hstack([shapes, static_shapes(free.stiffness, free.mass, loads, shapes)])
+    return modes.shapes[free.free]
 
 
 def _on_shapes(
@@ -639,11 +561,11 @@ class ReducedStructure:
         """
         whole = with_positions(self.structure, positions)
         if anew:
-            if self.matrices.base:
-                modes = fixed_base(whole, len(self.frequency), damping=self.damping or default_damping(whole))
-                made = on_base(whole, modes, self.band, self.matrices.cog, damping=self.damping)
-            else:
-                made = by_itself(whole, self.band, damping=self.damping)
+            free, b = hold(whole), self.matrices.base
+            moves = self.matrices.rigid[:, b:]
+            moves = moves[:, : len(self.frequency) + np.count_nonzero(moves.any(axis=0))]
+            shapes = self.basis[free.free, b : b + moves.shape[1]]
+            made = _reduced(whole, self.band, self.damping, free, shapes, self.frequency, moves, self.matrices.cog, driven=b > 0)
             return made if self.swings is None else replace(made._beside(whole, self.swings), swings=self.swings)
         if whole is self.structure:
             return self
@@ -737,21 +659,15 @@ def by_itself(structure: Structure, band: float, *, damping: Damping | None = No
             "freely. Hold it, or stiffen the joint.",
         )
     frequency = np.sqrt(values) / (2 * np.pi)
-    rows = _displacement(structure, free, NOWHERE, None)
-    soft = 0.1 * float(values[0]) if rigid.size else 0.0
     factor = None if rigid.size else pairs.factor
     del pairs, left  # of what floats the factors are others, and the first need not stay
-    basis = bent_far(structure, free, np.hstack([vectors, rigid]), frequency, rows, band, soft, factor)
-    moves = np.zeros((6, basis.shape[1]))
-    cog = np.zeros(3)
-    if rigid.size and structure.rigid_mass[0, 0] > 0:
-        whole = Inertia.from_mass_matrix(structure.rigid_mass, structure.reference_point).about(np.zeros(3))
-        cog = whole.cog
+    shapes, moves, cog = np.hstack([vectors, rigid]), np.zeros((6, len(values) + rigid.shape[1])), np.zeros(3)
     if rigid.size:
-        n = len(frequency)
         T = np.linalg.inv(rigid_transformation_6(structure.reference_point))
-        moves[:, n : n + rigid.shape[1]] = T @ directions[:, kept] / np.sqrt(square[kept])
-    return _on_basis(structure, band, damping, free, basis, rows, frequency, moves, cog)
+        moves[:, len(values) :] = T @ directions[:, kept] / np.sqrt(square[kept])
+        if structure.rigid_mass[0, 0] > 0:
+            cog = Inertia.from_mass_matrix(structure.rigid_mass, structure.reference_point).about(np.zeros(3)).cog
+    return _reduced(structure, band, damping, free, shapes, frequency, moves, cog, factor=factor)
 
 
 def on_base(
@@ -759,11 +675,31 @@ def on_base(
 ) -> ReducedStructure:
     """`structure` on its moving base with the `modes` of its `damping` and all of its mesh; what effects at parts and places do
     is, at any size, what they do to the whole structure."""
-    free = hold(structure)
+    free, none, at = hold(structure), np.zeros((6, modes.frequency.size)), np.asarray(cog, dtype=np.float64)
+    return _reduced(structure, band, damping, free, _kept(structure, free, modes), modes.frequency, none, at, driven=True)
+
+
+def _reduced(
+    structure: Structure,
+    band: float,
+    damping: Damping | None,
+    free: HeldBase,
+    shapes: Array,
+    frequency: Array,
+    moves: Array,
+    cog: Array,
+    *,
+    driven: bool = False,
+    factor: Factor | None = None,
+) -> ReducedStructure:
+    """`structure` on `shapes` (f, n), first the modes of `frequency` (m,) [Hz], which it moves by `moves` (6, n) as a rigid body,
+    and on what `bent_far` adds to them, and to static answers to a base that is `driven`."""
     rows = _displacement(structure, free, NOWHERE, None)
-    shapes = bent_far(structure, free, _loaded(structure, free, modes, free.load), modes.frequency, rows, band)
-    none, at = np.zeros((6, shapes.shape[1])), np.asarray(cog, dtype=np.float64)
-    return _on_basis(structure, band, damping, free, shapes, rows, modes.frequency, none, at, True)
+    soft = 0.1 * (2 * np.pi * frequency[0]) ** 2 if moves.any() else 0.0
+    given = np.hstack([shapes, static_shapes(free.stiffness, free.mass, free.load, shapes)]) if driven else shapes
+    basis = bent_far(structure, free, given, frequency, rows, band, soft, factor)
+    moves = np.pad(moves, ((0, 0), (0, basis.shape[1] - moves.shape[1])))
+    return _on_basis(structure, band, damping, free, basis, rows, frequency, moves, cog, driven)
 
 
 def _on_basis(
@@ -849,271 +785,3 @@ def lacking(structure: Structure, place: str) -> BadInput | CheckFailed | None:
     except (BadInput, CheckFailed) as error:
         return error
     return None
-
-
-# A user's own article behind its path: an FE model as its file has it, or a drawing, of which a solid model is made.
-
-
-@lru_cache(maxsize=8)
-def users_model(path: str, stamp: int) -> UsersModel:
-    """The model in the file `path`, or a solid one of the article that is drawn there; `stamp` tells a file from a newer one.
-
-    Raises
-    ------
-    BadInput : whatever is wrong with it; a drawing whose bodies state no material in an ``article.toml``.
-    """
-    if is_model(path):
-        return load(path)
-    from fem.solid import model
-    from geometry import user_article
-
-    drawn = user_article.load(path, unit=None, material=None)
-    return UsersModel(name=drawn.name, model=model.structure(drawn))
-
-
-def positions_on(model: Model, own: str) -> tuple[str, ...]:
-    """The positions of `model` for its `own` model of an article: all but those that lie outside it and on that of another."""
-
-    def has(path: str, place: str) -> bool:
-        of = users_model(path, stamp(path)).model
-        return isinstance(of, Structure) and lacking(of, place) is None
-
-    others = {*model.own.values()} - {own} if model.kind != RIGID else set()
-    return tuple(one for one in model.positions if not others or has(own, one) or not any(has(path, one) for path in others))
-
-
-def inertia(path: str, stamp: int) -> Inertia:
-    """Inertia about its own origin: of a drawing without meshing it for a solid model.
-
-    Raises
-    ------
-    BadInput : see `users_model`.
-    """
-    if is_model(path):
-        found = users_model(path, stamp).model
-        return Inertia.from_mass_matrix(found.rigid_mass, found.reference_point).about(np.zeros(3))
-    from geometry import user_article
-
-    return next(iter(user_article.inertias(user_article.load(path, unit=None, material=None)).values())).about(np.zeros(3))
-
-
-def stamp(path: str) -> int:
-    """When the file `path`, or of a folder the newest file in it, was last written [ns]; 0 where there is none."""
-    there = Path(path)
-    files = [there] if there.is_file() else list(there.iterdir()) if path and there.is_dir() else []
-    return max((one.stat().st_mtime_ns for one in files), default=0)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class MountedArticle:
-    """What stands on the cover plate.
-
-    Attributes
-    ----------
-    article : its name; empty for an FMD alone
-    matrices : about its own origin and in its own axes; None where there is nothing
-    reduced : of which they are, where its mesh or its matrices are a user's own
-    frequency : (m,) [Hz] of the coordinates behind the base that are modes; the others answer statically
-    losses : loss factor by part of the structure; none where damping is given by mode
-    assumed : whether nobody stated what it loses
-    highest : [Hz] up to which its modes are uncertain
-    part_tolerances : as in `fem.structure.Structure`
-    pose : where its frame sits, seen from F
-    sensors : by name of an accelerometer on it, the place of `matrices` that it reads
-    remarks : what was assumed, sentences
-    """
-
-    article: str
-    matrices: Matrices | None
-    reduced: ReducedStructure | None = None
-    frequency: Array = field(default_factory=lambda: np.zeros(0))
-    losses: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
-    assumed: bool = False
-    highest: float = HIGHEST
-    part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
-    pose: Pose
-    sensors: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
-    remarks: tuple[str, ...] = ()
-
-    @property
-    def modes(self) -> int:
-        """How many of its coordinates are modes."""
-        return len(self.frequency)
-
-    @property
-    def there(self) -> There:
-        """What effects can act on."""
-        if self.matrices is None:
-            return There()
-        found = there(self.article, self.matrices)
-        read = dict.fromkeys(self.sensors.values())
-        named = [row for name, row in self.matrices.places.items() if name not in read]
-        again = [one for one in read if any(np.allclose(self.matrices.places[one], row) for row in named)]
-        return replace(found, places=tuple(name for name in found.places if name not in again))
-
-
-OF_SENSORS = "accelerometers on the article read its motion where they are said to sit; that what bends tilts them is left out"
-"""What is assumed of them."""
-
-
-def mounted_article(model: Model, campaign: Campaign, highest: float = 0.0) -> MountedArticle:
-    """What stands on the cover plate of `campaign`, whose lines reach to `highest` [Hz] where that is known.
-
-    Raises
-    ------
-    BadInput : an article that `model` cannot describe, or a model of the user's own that cannot be used.
-    CheckFailed : as `fem.modes.fixed_base`.
-    """
-    article = above_fmd(campaign.article)
-    if not article:
-        return MountedArticle(article="", matrices=None, pose=Pose())
-    pose, said = mounted(campaign)
-    own = _own(model, article, campaign.article)
-    if not own and not set(article.split("+")) <= set(NAMES):
-        raise BadInput(
-            source=model.source,
-            field="own",
-            problem=f"it has no model of {article}, which stands on the FMD in {campaign.source}",
-            remedy=f"State the path of one, or name a stack of {', '.join(NAMES)} in the campaign",
-        )
-    reach = [run.excitation.band[1] for run in campaign.runs if run.excitation is not None and run.excitation.band is not None]
-    reach += [float(one.frequency[-1]) for one in campaign.recordings.values() if one.frequency is not None and not reach]
-    upon = [campaign.table.channels[k] for k in campaign.table.select(group="article", quantity="acceleration")]
-    back = pose.inverse
-    at = {
-        one.name: at_position(back.apply(one.places[0].position - campaign.table.origin).tolist())
-        for one in upon
-        if not one.is_sum
-    }
-    recipe = _Recipe(
-        article=article,
-        kind=model.kind,
-        own=own,
-        stamp=stamp(own),
-        modes=model.modes,
-        damping_ratio=model.damping_ratio,
-        changes=() if own else _changes(model, article),
-        band=max(reach, default=highest or BAND) if own else BAND,
-        positions=positions_on(model, own) if own else (),
-    )
-    if at:
-        try:
-            found = _made(replace(recipe, positions=tuple(dict.fromkeys((*recipe.positions, *at.values())))))
-            if found.matrices is not None and set(at.values()) <= set(found.matrices.places):
-                return replace(found, pose=pose, sensors=at, remarks=(*said, OF_SENSORS))
-        except (BadInput, CheckFailed):  # nobody knows what moves there; the chain says that they are not used
-            pass
-    return replace(_made(recipe), pose=pose, remarks=said)
-
-
-def moving_part(model: Model) -> Inertia:
-    """The FMD's moving part about F as `model` knows it beforehand: as it states, else as drawn.
-
-    Raises
-    ------
-    BadInput : dimensions that make no FMD.
-    """
-    if model.fmd is not None:
-        return model.fmd.about(np.zeros(3))
-    return routes.inertia(built_in(FMD, changes_of(FMD, model.changes)))
-
-
-def drawn_inertia(model: Model, article: str) -> Inertia:
-    """The `article` above the FMD about its own origin, as drawn or as a user's own model has it.
-
-    Raises
-    ------
-    BadInput : as `standing`.
-    """
-    own = _own(model, article, f"{FMD}+{article}")
-    return _inertia(_Recipe(article=article, kind=model.kind, own=own, stamp=stamp(own), changes=_changes(model, article)))
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Recipe:
-    """Everything that decides the matrices of an article; `stamp` tells a user's file from the same one rewritten.
-
-    `band` [Hz] is where tests of a user's own model end, `positions` are places of it by coordinates.
-    """
-
-    article: str
-    kind: str
-    own: str = ""
-    stamp: int = 0
-    modes: int = 30
-    damping_ratio: float | None = None
-    changes: tuple[tuple[str, float], ...] = ()
-    band: float = BAND
-    positions: tuple[str, ...] = ()
-
-
-def _own(model: Model, article: str, whole: str) -> str:
-    """Path of the user's own model of `article`; empty where a built-in one is meant."""
-    stated = model.own.get(article, model.own.get(whole, ""))
-    return stated or (article if is_model(article) else "")
-
-
-def _changes(model: Model, article: str) -> tuple[tuple[str, float], ...]:
-    return tuple(sorted(changes_of(article, model.changes).items())) if set(article.split("+")) <= set(NAMES) else ()
-
-
-@lru_cache(maxsize=16)
-def _made(recipe: _Recipe) -> MountedArticle:
-    """An article, not yet mounted."""
-    if recipe.own:
-        # A user's own model: matrices with their modes, a solid model of a drawing, or modal data alone
-        if recipe.kind == RIGID:
-            rides = {name: np.array(position(name)) for name in recipe.positions}
-            return MountedArticle(article=recipe.article, matrices=of_inertia(_inertia(recipe), rides), pose=Pose())
-        found = users_model(recipe.own, recipe.stamp)
-        damping = _damping(recipe) or found.damping
-        if isinstance(found.model, Structure):
-            if not len(found.model.held):
-                support = "ground" if found.model.grounded else "free"
-                problem = f'is "{support}": it has no base that an FMD could carry'
-                remedy = 'State support = "base" with its interface; response functions and modal tables need none'
-                raise BadInput(source=recipe.own, field="fe_model.support", problem=problem, remedy=remedy)
-            return _of_structure(recipe, with_positions(found.model, recipe.positions), damping, {}, None)
-        frequency = found.model.frequency
-        modal = found.model if damping is None else replace(found.model, viscous=damping_per_mode(damping, 2 * np.pi * frequency))
-        matrices = of_modes(modal, _inertia(recipe).cog)
-        return MountedArticle(article=recipe.article, matrices=matrices, frequency=frequency, pose=Pose())
-    changes = dict(recipe.changes)
-    places = {**locations(recipe.article, changes), **{name: np.array(position(name)) for name in recipe.positions}}
-    if recipe.kind == RIGID:
-        return MountedArticle(article=recipe.article, matrices=of_inertia(_inertia(recipe), places), pose=Pose())
-    from fem.beam import articles
-
-    drawn = built_in(recipe.article, changes)
-    return _of_structure(recipe, articles.structure(recipe.article, changes), _damping(recipe), places, drawn)
-
-
-def _of_structure(
-    recipe: _Recipe, structure: Structure, damping: Damping | None, places: Places, drawn: Article | None
-) -> MountedArticle:
-    used = damping or default_damping(structure)
-    modes, cog = fixed_base(structure, recipe.modes, damping=used), _inertia(recipe).cog
-    reduced = on_base(structure, modes, recipe.band, cog, damping=damping) if recipe.own else None
-    return MountedArticle(
-        article=recipe.article,
-        matrices=of_structure(structure, modes, places, cog, damping=used, article=drawn, band=recipe.band)
-        if reduced is None
-        else reduced.matrices,
-        reduced=reduced,
-        frequency=modes.frequency,
-        losses=used.loss_factors,
-        assumed=is_assumed(structure, damping),
-        highest=HIGHEST * recipe.band / BAND,
-        part_tolerances=structure.part_tolerances,
-        pose=Pose(),
-    )
-
-
-def _inertia(recipe: _Recipe) -> Inertia:
-    if not recipe.own:
-        return routes.inertia(built_in(recipe.article, dict(recipe.changes)))
-    return inertia(recipe.own, recipe.stamp)
-
-
-def _damping(recipe: _Recipe) -> Damping | None:
-    return None if recipe.damping_ratio is None else Damping(ratio=recipe.damping_ratio)

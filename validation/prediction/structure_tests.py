@@ -18,7 +18,7 @@ from identification.response_functions import ResponseFunctions
 from validation.effects.catalogue import There
 from validation.estimation.problem import Lines, Offsets, Prediction
 from validation.model.model import Added, Model
-from validation.prediction import effects, modal_table, response_functions
+from validation.prediction import effects, modal_table, mounting, response_functions
 from validation.prediction import structure as reduction
 from validation.prediction.dynamic_mass import AttachedResponse, Finite
 from validation.prediction.structure import ReducedStructure
@@ -90,7 +90,7 @@ def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePredictio
                 remedy=f"{nearest(article, model.own)}Name its file in [structure.own] of {model.source}, or correct the article",
             )
         path = model.own[article]
-        users = reduction.users_model(path, reduction.stamp(path)).model
+        users = mounting.users_model(path, mounting.stamp(path)).model
         if isinstance(users, Structure):
             own = [named(users, aligned(users, one)) for one in own]
         known = tested(model, article, own)
@@ -125,7 +125,7 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
     from scipy.sparse import csr_array
 
     path = model.own[article]
-    users = reduction.users_model(path, reduction.stamp(path))
+    users = mounting.users_model(path, mounting.stamp(path))
     if not isinstance(users.model, Structure):
         problem = "is known by modal data alone, which have no places"
         raise BadInput(source=path, field=article, problem=problem, remedy="Bring its matrices or its mesh")
@@ -146,7 +146,7 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
             there = structure.elements.numbered(int(number))
             rows |= {} if there is None else {point.place: there}
     known = {name: row for name, row in structure.places.items() if name.replace("-", " ", 1) not in rows}  # dof-20 and dof 20
-    structure = reduction.with_positions(replace(structure, places={**known, **rows}), reduction.positions_on(model, path))
+    structure = reduction.with_positions(replace(structure, places={**known, **rows}), mounting.positions_on(model, path))
     band = max(one.band[1] if isinstance(one, ResponseFunctions) else float(np.max(one.frequency)) for one in tests)
     damping = users.damping if model.damping_ratio is None else Damping(ratio=model.damping_ratio)
     made = reduction.by_itself(structure, band, damping=damping)

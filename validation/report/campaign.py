@@ -244,12 +244,12 @@ def write_dynamic_mass(path: Path, campaign: Campaign) -> None:
     ------
     BadInput : runs that do not tell six motions apart.
     """
-    from identification import measured_functions
+    from identification import test_file
     from identification.plain import setup
     from identification.request import Settings
 
     found = setup(spectra(campaign), Settings(gravity=campaign.gravity, modes=0))
-    measured_functions.write(path, measured_functions.of_dynamic_mass(found.estimate.dynamic_mass, campaign.source, found.noise))
+    test_file.write(path, test_file.of_dynamic_mass(found.estimate.dynamic_mass, campaign.source, found.noise))
 
 
 MOST_PLACES = 6
@@ -280,7 +280,7 @@ def show_tests(name: str, tests: "Sequence[ResponseFunctions | ModalTable]", *, 
     ------
     BadInput : `out` is asked for, and not exactly one of them has response functions.
     """
-    from identification import measured_functions
+    from identification import test_file
     from identification.response_functions import ResponseFunctions
 
     with_functions = [one for one in tests if isinstance(one, ResponseFunctions)]
@@ -288,7 +288,7 @@ def show_tests(name: str, tests: "Sequence[ResponseFunctions | ModalTable]", *, 
         if len(with_functions) != 1:
             problem = f"{name} has {len(with_functions)} tests with response functions, and a file holds one"
             raise BadInput(source="--out", problem=problem, remedy="Name the file of one test")
-        measured_functions.write(out, measured_functions.of_responses(with_functions[0]))
+        test_file.write(out, test_file.of_responses(with_functions[0]))
     rows = []
     for one in tests:
         lines = one.frequency

@@ -12,8 +12,8 @@ from geometry.atomic import write_text
 from geometry.dynamic_mass import SIGNS, DynamicMass
 from geometry.frames import Array
 from validation.compare.compare import Comparison, compared, run, text, worst_pairs
-from validation.compare.correlation import FunctionCorrelation, ModalCorrelation
-from validation.compare.maps import Map, NamedMode
+from validation.compare.correlation import FunctionCorrelation, ModalCorrelation, NamedMode
+from validation.compare.maps import Map
 from validation.effects.practical_units import written_as
 from validation.estimation.verdicts import ABSURD, STANDS_OUT, StatedError, Tolerance, absurd, misfit
 from validation.output import NONE, json_text, shown, stages, to_json, two_digits, with_unit

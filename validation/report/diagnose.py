@@ -13,7 +13,7 @@ import click
 from geometry.atomic import probe, write_text
 from geometry.errors import BadInput, CheckFailed
 from validation.compare.compare import mapped_all
-from validation.compare.maps import modes_of
+from validation.compare.correlation import modes_of
 from validation.diagnose import diagnose
 from validation.diagnose import diagnosis as results
 from validation.diagnose.classical_tests import SURE

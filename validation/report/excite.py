@@ -14,7 +14,7 @@ from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import Array
 from identification import campaign_file
-from identification.campaign import Campaign
+from identification.campaign import Campaign, require_alive
 from validation.classical.swing import MEASUREMENT, RECORD, Simulated
 from validation.excite import runs as excite_runs
 from validation.excite.question import BURST, COMPLIANT, LARGE, LINEAR, MULTI, RANDOM, SWEEP, ExciteOptions
@@ -639,7 +639,7 @@ def _written_test(question: SimulateOptions, plan: Plan, words: str, *, quiet: b
     for run, recorded in test.campaign.recordings.items():
         for k, name in enumerate(recorded.names):
             try:
-                campaign_file.require_alive(recorded.values[:, k], name, run)
+                require_alive(recorded.values[:, k], name, run)
             except BadInput:
                 what = f"nothing moves {name} in the run {run}, and it reads zero throughout"
                 remedy = "A dead channel makes a campaign unusable: leave some noise (--noise 0.001) or cross motion"

@@ -20,10 +20,10 @@ from geometry.atomic import write_text, write_with
 from geometry.dynamic_mass import MOTIONS, SIGNS, DynamicMass
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
-from identification import measured_functions
+from identification import test_file
 from identification.files import files
 from validation import output
-from validation.compare.maps import NamedMode
+from validation.compare.correlation import NamedMode
 from validation.diagnose.reduction_errors import MULTIPLE, ReductionErrors, reduction_errors
 from validation.flexible.dynamic_mass import UNITS, Curves
 from validation.flexible.model import OWN, Flexible, another_body
@@ -370,7 +370,7 @@ def write(path: Path, H: DynamicMass, article: str) -> None:
             table.writerow([repr(float(f)), *(repr(float(v)) for v in np.column_stack([flat.real, flat.imag]).ravel())])
         write_text(path, text.getvalue())
     elif path.suffix.lower() in files.FORMATS:
-        measured_functions.write(path, measured_functions.of_dynamic_mass(H, article))
+        test_file.write(path, test_file.of_dynamic_mass(H, article))
     else:
         point, order = H.reference_point, np.array(MOTIONS)
         arrays: dict[str, Any] = {"frequency_hz": H.frequency, "matrix": H.matrix, "reference_point_m": point, "order": order}

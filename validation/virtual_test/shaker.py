@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.base_excitation.response import Channels, cell_forces
+from fem.base_excitation.first_order_hold import Channels, cell_forces
 from fem.base_excitation.rig import Rig, RigStructure
 from geometry.articles import NAMES, built_in, changes_of, locations
 from geometry.errors import BadInput

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from fem.base_excitation import first_order_hold
 from fem.base_excitation import response as recorder
 from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.rig import Rig, RigStructure
@@ -223,10 +224,15 @@ def _whole(plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun) -> planni
         signals = [response.table, response.cover, response.cells.reshape(len(response.table), -1), tilt, tilt]
         return sensed(plan, lab, run, np.hstack(signals) @ lab.sensors.rows.T, rate, response)
 
-    def wanted(structure: RigStructure) -> recorder.Channels:
-        cover = recorder.accelerations(structure.cover, "the cover plate")
-        parts = [lab.sensors.channels(structure), recorder.load(structure), cover, recorder.cell_forces(structure)]
-        return recorder.stacked(parts)
+    def wanted(structure: RigStructure) -> first_order_hold.Channels:
+        cover = first_order_hold.accelerations(structure.cover, "the cover plate")
+        parts = [
+            lab.sensors.channels(structure),
+            first_order_hold.load(structure),
+            cover,
+            first_order_hold.cell_forces(structure),
+        ]
+        return first_order_hold.stacked(parts)
 
     pieces = recorder.streamed(lab.rig, run.pattern, rate, wanted, **_driven(plan, run))
     table, every = (np.hstack(one).T for one in zip(*((piece.acceleration, piece.values) for piece in pieces), strict=True))

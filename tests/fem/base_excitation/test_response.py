@@ -11,21 +11,18 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation import first_order_hold, response, rig
 from fem.base_excitation import response as base_excitation_response
+from fem.base_excitation.first_order_hold import Channels, accelerations, cell_forces, stacked
 from fem.base_excitation.patterns import BaseMotion, Random, Sweep, drawn
 from fem.base_excitation.response import (
     PASS,
     RIPPLE,
-    Channels,
     Response,
-    accelerations,
-    cell_forces,
     decimated,
     decimated_channels,
     joined,
     pass_band,
     require_recorded,
     simulation_rate,
-    stacked,
     taps,
 )
 from fem.base_excitation.rig import FlexibleBody, Friction, LoadCell, Rig, RigStructure, Strut, rigid

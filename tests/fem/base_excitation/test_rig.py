@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem import dynamic_mass, reduction
+from fem import dynamic_mass
 from fem.base_excitation import response, rig
 from fem.base_excitation import response as base_excitation_response
 from fem.base_excitation import rig as base_excitation_rig
@@ -182,10 +182,10 @@ def column_error(rig: Rig, lines: np.ndarray, column: np.ndarray, axis: int) -> 
     )
 
 
-def test_a_seat_moves_the_reference_point_to_f(clumod: Clumod) -> None:
+def test_a_seat_moves_the_reference_point_to_f(clumod: Clumod, condensed: Callable[..., np.ndarray]) -> None:
     article, lines, seat = clumod("clumod-1"), np.array([5.0, 12.3]), np.array([0.1, -0.2, 0.3])
     T = rigid_transformation_6(seat)
-    expected = T.T @ reduction.dynamic_mass(article.reduced, lines).matrix @ T
+    expected = T.T @ condensed(article.reduced, lines) @ T
     assert_allclose(
         base_excitation_rig.dynamic_mass(Rig(article=article, seat=seat), lines).matrix, expected, rtol=1e-9, atol=1e-10
     )
@@ -257,8 +257,13 @@ def error(H: np.ndarray, truth: np.ndarray) -> np.ndarray:
     return (np.abs(H - truth) / scale).max(axis=(1, 2)) / (np.abs(truth) / scale).max(axis=(1, 2))
 
 
-def dynamic_mass_of(made: FlexibleBody, lines: np.ndarray = LINES) -> np.ndarray:
-    return reduction.dynamic_mass(made.reduced, lines).matrix
+Condensed = Callable[[FlexibleBody, np.ndarray], np.ndarray]
+
+
+@pytest.fixture(scope="module")
+def dynamic_mass_of(condensed: Callable[..., np.ndarray]) -> Condensed:
+    """``dynamic_mass_of(body, lines)``, of the matrices that it has on its base."""
+    return lambda made, lines=LINES: condensed(made.reduced, lines)
 
 
 def viscous_alone(modes: Modes) -> Modes:
@@ -267,14 +272,16 @@ def viscous_alone(modes: Modes) -> Modes:
     return replace(modes, viscous=C, structural=np.zeros_like(C), condensed=None)
 
 
-def test_static_coordinates_beat_the_residual_against_the_direct_solution(four: Structure, modes: Modes) -> None:
+def test_static_coordinates_beat_the_residual_against_the_direct_solution(
+    four: Structure, modes: Modes, dynamic_mass_of: Condensed
+) -> None:
     truth = dynamic_mass.direct(four, LINES, RATIO, modes=modes).matrix
     mine = error(dynamic_mass_of(rig.flexible("c", four, modes)), truth).max()
     assert mine < error(dynamic_mass.modal(modes, LINES).matrix, truth).max() / 3
     assert mine < 2e-5
 
 
-def test_what_is_left_out_grows_with_the_sixth_power_of_the_frequency(four: Structure) -> None:
+def test_what_is_left_out_grows_with_the_sixth_power_of_the_frequency(four: Structure, dynamic_mass_of: Condensed) -> None:
     lines = np.array([8.0, 16.0])
     few = fixed_base(four, 11, damping=Damping())
     truth = dynamic_mass.direct(four, lines, Damping()).matrix
@@ -282,7 +289,7 @@ def test_what_is_left_out_grows_with_the_sixth_power_of_the_frequency(four: Stru
     assert_allclose(np.log2(left[1] / left[0]), 6.0, atol=0.4)  # the next mode, at 38 Hz, is not infinitely far
 
 
-def test_structural_damping_made_viscous_costs_what_is_said(four: Structure) -> None:
+def test_structural_damping_made_viscous_costs_what_is_said(four: Structure, dynamic_mass_of: Condensed) -> None:
     lossy = fixed_base(four, 30)
     truth = dynamic_mass.direct(four, LINES).matrix
     assert error(dynamic_mass_of(rig.flexible("c", four, lossy)), truth).max() < 0.01
@@ -290,7 +297,7 @@ def test_structural_damping_made_viscous_costs_what_is_said(four: Structure) -> 
     assert error(dynamic_mass.modal(viscous_alone(replace(lossy, condensed=None)), LINES).matrix, truth).max() > 0.015
 
 
-def test_modal_data_alone_answer_as_modes_with_their_residual(modes: Modes) -> None:
+def test_modal_data_alone_answer_as_modes_with_their_residual(modes: Modes, dynamic_mass_of: Condensed) -> None:
     made = rig.of_modal_data("own", modes)
     assert_allclose(error(dynamic_mass_of(made), dynamic_mass.modal(modes, LINES).matrix), 0, atol=2e-4)
     low = np.array([0.5, 1.0])  # where R is all that the carriers are
@@ -299,7 +306,7 @@ def test_modal_data_alone_answer_as_modes_with_their_residual(modes: Modes) -> N
     assert np.sqrt(made.reduced.stiffness.diagonal()[36:].min()) / (2 * np.pi) > 2 * modes.frequency[-1]
 
 
-def test_modal_data_about_another_point_is_moved_to_the_origin(modes: Modes) -> None:
+def test_modal_data_about_another_point_is_moved_to_the_origin(modes: Modes, dynamic_mass_of: Condensed) -> None:
     T = rigid_transformation_6([0.1, -0.2, 0.3]).T
     elsewhere = replace(
         modes,
@@ -346,7 +353,9 @@ def test_modes_without_shapes_are_refused(four: Structure, modes: Modes) -> None
         rig.flexible("c", four, replace(modes, shapes=np.zeros((0, 30))))
 
 
-def test_a_solid_about_another_point_is_reduced_about_the_articles_origin(block: Callable[..., Structure]) -> None:
+def test_a_solid_about_another_point_is_reduced_about_the_articles_origin(
+    block: Callable[..., Structure], dynamic_mass_of: Condensed
+) -> None:
     """A column of point masses and springs, whose base is not where its reference point is."""
     column, point = block(2, 2, 4), np.array([0.3, -0.2, 0.1])
     points = column.points

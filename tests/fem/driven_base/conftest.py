@@ -9,7 +9,7 @@ import pytest
 
 from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.rig import FlexibleBody, LoadCell, rigid
-from fem.reduction import Reduced
+from fem.modes import Reduced
 from geometry.frames import rigid_transformation
 from geometry.inertia import Inertia
 

@@ -16,9 +16,10 @@ from fem.user_model.examine import lossless
 from geometry.errors import BadInput
 from validation.effects.catalogue import FAMILIES, Named
 from validation.model.model import Added
-from validation.prediction.effects import full, structure
+from validation.prediction.effects import structure
 from validation.prediction.modal_table import real_modes
 from validation.prediction.structure import by_itself
+from validation.prediction.tangents import full
 
 Meshed = Callable[..., Structure]
 

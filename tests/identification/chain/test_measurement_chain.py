@@ -13,9 +13,10 @@ from geometry.errors import BadInput
 from geometry.frames import rotation_about
 from geometry.inertia import Inertia
 from geometry.sensors import Channel, ChannelTable, Place, Tolerances, motion_rows, resultants
-from identification import chain as identification_chain
+from identification import load_cells
 from identification.base_motion import tilt
-from identification.chain import ASSUMED, STATED, Chain, chain
+from identification.chain import Chain, chain
+from identification.load_cells import ASSUMED, STATED
 from identification.quality import seen_changes, unobservable
 
 FREQUENCY = np.array([4.0, 11.3, 32.0])
@@ -422,7 +423,7 @@ def test_a_block_on_its_cells_moves_as_two_masses_and_a_spring(paper: ChannelTab
 def test_a_stiffness_assumed_wrongly_is_made_good_by_the_compliance(paper: ChannelTable) -> None:
     """Whatever is assumed: at the right factor the chain is that of the true cells."""
     assumed, stated = chain(paper, EXACT), chain(paper, EXACT, stiffness=K * [1, 1 / 1.3, 1])
-    lateral, _, vertical = identification_chain.assumed_stiffness() / K
+    lateral, _, vertical = load_cells.assumed_stiffness() / K
     right = assumed.theta({"fmd-compliance:lateral": lateral, "fmd-compliance:vertical": vertical})
     expected = stated.rows(np.zeros(len(stated.parameters)), BAND)
     for found, true in zip(assumed.rows(right, BAND), expected, strict=True):
@@ -432,7 +433,7 @@ def test_a_stiffness_assumed_wrongly_is_made_good_by_the_compliance(paper: Chann
 def test_cells_are_numbered_counter_clockwise_whatever_their_order() -> None:
     shuffled = [2, 0, 3, 1]
     elements = [Place(position=CORNERS[k], direction=e) for k in shuffled for e in np.eye(3)]
-    assert identification_chain.names(elements, np.zeros(3)) == tuple(f"{k + 1}{axis}" for k in shuffled for axis in "xyz")
+    assert load_cells.names(elements, np.zeros(3)) == tuple(f"{k + 1}{axis}" for k in shuffled for axis in "xyz")
 
 
 def test_loads_already_worked_out_are_read_as_they_are(loads_only: ChannelTable) -> None:

@@ -35,7 +35,11 @@ def cookie(bench) -> str:
     """The cookie that the token is good for, once."""
     response = answer(bench, f"/?token={bench.token}")
     assert response.status == 303
-    return str(response.getheader(COOKIE)).split(";")[0]
+    given = str(response.getheader(COOKIE))
+    assert "HttpOnly" in given  # read by no script
+    assert "SameSite=Strict" in given  # sent by no other site
+    assert given.startswith(f"massline-{bench.port}=")  # shared with no other door: cookies know no ports
+    return given.split(";")[0]
 
 
 def upgrade(bench: Any, path: str, **headers: str) -> int:
@@ -100,10 +104,13 @@ def test_at_port_80_and_on_the_new_protocol_a_host_is_known():
     assert not ListeningAddress(host="127.0.0.1", port=8080).answers_to("127.0.0.1:80")
 
 
-def test_the_browser_is_led_by_a_file_that_nobody_else_reads(chromium, start_app, tmp_path, monkeypatch):
+def test_another_door_takes_no_cookie_of_this_one_and_leads_its_browser_by_a_file_that_nobody_else_reads(
+    cookie, chromium, start_app, tmp_path
+):
     from validation.app.server import leading
 
     bench = start_app("--stay")
+    assert answer(bench, "/", Cookie=cookie).status == 401
     file = leading(bench.address, tmp_path)
     assert file.stat().st_mode & 0o777 == 0o600
     assert bench.token not in str(file)
@@ -147,16 +154,6 @@ def listening(pid: int) -> int:
         if words[3] == "0A" and f"socket:[{words[9]}]" in inodes:
             return int(words[1].rpartition(":")[2], 16)
     raise AssertionError(f"process {pid} listens nowhere")
-
-
-def test_the_cookie_is_shared_with_no_other_door_read_by_no_script_and_sent_by_no_other_site(bench, cookie, start_app):
-    other = start_app("--stay")
-    assert answer(other, "/", Cookie=cookie).status == 401
-    given = str(answer(other, f"/?token={other.token}").getheader(COOKIE))
-    assert "HttpOnly" in given
-    assert "SameSite=Strict" in given
-    assert given.startswith(f"massline-{other.port}=")  # cookies know no ports
-    other.interrupted()
 
 
 def test_a_window_that_dies_in_the_middle_of_an_answer_is_no_mistake_of_the_door(caplog):

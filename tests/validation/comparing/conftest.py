@@ -10,7 +10,8 @@ from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.inertia import Inertia
 from identification.chain import Chain, chain
 from validation.compare.compare import Comparison, FactComparison, worst
-from validation.compare.maps import Doubt, Map, NamedMode, Rig, mapped
+from validation.compare.correlation import NamedMode
+from validation.compare.maps import Doubt, Map, Rig, mapped
 from validation.estimation.problem import (
     DECLARED,
     IDENTIFIED,

@@ -10,7 +10,8 @@ from identification.base_motion import base_motion, resultants
 from identification.dynamic_mass import from_runs
 from identification.spectra.line_spectra import Spectra
 from validation.compare.compare import GAP, FrequencyTrend, text, worst
-from validation.compare.maps import NamedMode, chunks, combined, doubt, judged_error, left_over, mapped, with_noise
+from validation.compare.correlation import NamedMode
+from validation.compare.maps import chunks, combined, doubt, judged_error, left_over, mapped, with_noise
 from validation.estimation.evaluate import squares
 from validation.estimation.fit import FLOOR, fit
 from validation.estimation.likelihood import left_of_run, observed

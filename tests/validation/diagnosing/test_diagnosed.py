@@ -139,6 +139,7 @@ def test_a_modulus_that_is_told_to_half_of_what_is_plausible_is_not_called_small
 
 
 @pytest.mark.proof  # the stored answers of a mistake are such a diagnosis
+@pytest.mark.proof  # the stored answers of a mistake are such a diagnosis
 def test_a_mistake_alone_is_its_own_class(made):
     found = diagnosed(made("polarity:fmd-x12"), only=ASKED)
     assert (found.verdict, [one.id for one in found.accepted]) == (diagnosis.MISTAKE, ["polarity:fmd-x12"])

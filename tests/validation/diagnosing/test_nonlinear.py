@@ -107,6 +107,7 @@ def test_a_gap_is_named_with_its_cell_and_preload(linear):
 
 
 @pytest.mark.proof  # the stored answers name one
+@pytest.mark.proof  # the stored answers of a nonlinear test are such a diagnosis
 def test_saturation_in_the_record_is_named_with_its_channel_and_share(tested):
     bent_records = saturated(tested, "fmd-z1", 0.1)
     found = differing_levels(bent_records)

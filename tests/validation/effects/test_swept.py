@@ -7,7 +7,6 @@ import pytest
 from numpy.testing import assert_allclose
 
 from identification.spectra.line_spectra import hann
-from identification.spectra.peak_hold import sweep_bias
 from validation.effects.catalogue import FAMILIES
 from validation.effects.families.sweep_bias import operator, window
 from validation.effects.stages import NEAREST, MountedDynamicMass, NoiseModel, leak
@@ -30,10 +29,10 @@ def test_the_window_is_the_transform_of_the_hann_window_of_peak_hold():
 
 @pytest.mark.parametrize(("overlap", "left"), [(0.98, 0.06), (0.9, 0.3)])
 @pytest.mark.parametrize("damping", [0.0035, 0.01])
-def test_the_kernel_is_what_peak_hold_does_to_a_sweep_in_time(damping, overlap, left):
+def test_the_kernel_is_what_peak_hold_does_to_a_sweep_in_time(damping, overlap, left, peak_hold_bias):
     """It stands for a block right in the middle: what is left shrinks with the step from block to block."""
     native = np.arange(round(11.0 * BLOCK / RATE), round(13.6 * BLOCK / RATE)) * RATE / BLOCK
-    measured = sweep_bias(RESONANCE, damping, frequency=native, rate=RATE, overlap=overlap)
+    measured = peak_hold_bias["sweep_bias"](RESONANCE, damping, frequency=native, rate=RATE, overlap=overlap)
     lines = native[0] + np.arange(-100, 8 * len(native) + 100) * RATE / BLOCK / 8
     predicted = (operator(lines, 2 / 60, BLOCK / RATE) @ mode(lines, damping))[100 : 100 + 8 * len(native) : 8]
     inner = (native > 11.6) & (native < 13.0)
@@ -43,11 +42,11 @@ def test_the_kernel_is_what_peak_hold_does_to_a_sweep_in_time(damping, overlap, 
     assert error < left * bias
 
 
-def test_at_a_quarter_of_the_rate_the_phase_of_the_chirp_counts_and_is_right():
+def test_at_a_quarter_of_the_rate_the_phase_of_the_chirp_counts_and_is_right(peak_hold_bias):
     """A quarter of the paper's rate, where the phase of the chirp turns four times as far across the window."""
     native = np.arange(round(11.6 * BLOCK / RATE), round(13.0 * BLOCK / RATE)) * RATE / BLOCK
     slow = {"start": 9.0, "stop": 16.0, "octaves_per_minute": 0.5, "rate": RATE, "overlap": 0.98}
-    measured = sweep_bias(RESONANCE, 0.0035, frequency=native, **slow)
+    measured = peak_hold_bias["sweep_bias"](RESONANCE, 0.0035, frequency=native, **slow)
     lines = native[0] + np.arange(-100, 8 * len(native) + 100) * RATE / BLOCK / 8
     predicted = (operator(lines, 0.5 / 60, BLOCK / RATE) @ mode(lines, 0.0035))[100 : 100 + 8 * len(native) : 8]
     size = np.max(np.abs(measured.exact))

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.compare.maps import Map, NamedMode, Pairs
+from validation.compare.correlation import NamedMode
+from validation.compare.maps import Map, Pairs
 from validation.diagnose.diagnosis import Cause, EffectEstimate
 from validation.effects.catalogue import Named
 from validation.history.history import Body, Errors, HistoryPosition, Ladder, Version

@@ -1,6 +1,7 @@
 """What tests of predictions share: fast virtual tests, the model of their laboratory, and the truth as offsets."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -8,10 +9,13 @@ import numpy as np
 import pytest
 
 from fem.damping import Damping
+from fem.structure import Structure, place_rows
+from geometry.frames import Array
 from geometry.inertia import PARAMETERS
 from validation.effects.catalogue import parse_all
 from validation.model.model import Added, Model
 from validation.prediction.series import SeriesPrediction, predictions
+from validation.prediction.structure import ReducedStructure, by_itself
 from validation.virtual_test.plan import Plan, Scatter, exact
 from validation.virtual_test.planted import planted
 from validation.virtual_test.simulate import VirtualTest, simulate
@@ -98,5 +102,16 @@ def unexplained() -> Callable[..., dict[str, float]]:
         rms = np.sqrt(np.mean(np.abs(left) ** 2, axis=(0, 1)))
         names = np.array(of.measured.channels)
         return {group: float(rms[np.char.startswith(names, group)].max()) for group in groups}
+
+    return made
+
+
+@pytest.fixture(scope="session")
+def held() -> Callable[..., ReducedStructure]:
+    """``held(structure, places)``: with its base held still, made ready at its `places`, each (3,) [m], for tests up to 40 Hz."""
+
+    def made(structure: Structure, places: Mapping[str, Array]) -> ReducedStructure:
+        rows = place_rows(structure, np.array(list(places.values())))
+        return by_itself(replace(structure, places=dict(zip(places, rows, strict=True))), 40.0)
 
     return made

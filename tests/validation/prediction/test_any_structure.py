@@ -25,6 +25,7 @@ from validation.effects.stages import Matrices, Shares, with_resonators
 from validation.model.model import Added
 from validation.prediction import effects
 from validation.prediction import structure as prediction_structure
+from validation.prediction.tangents import FIELDS, full
 
 # The frame, assembled directly: four posts and rings of beams by Euler and Bernoulli, a rail with a bolted end, springs below.
 
@@ -392,9 +393,9 @@ def test_derivatives_of_what_is_declared_are_differences(name: str) -> None:
     _, tangents = known.at(at)
     step = 1e-4
     above, below = (known.at({**at, name: at[name] + side * step})[0] for side in (1, -1))
-    for field in effects.FIELDS:
+    for field in FIELDS:
         difference = (getattr(above, field) - getattr(below, field)) / (2 * step)
-        found = effects.full(tangents[name], field, len(above.mass))
+        found = full(tangents[name], field, len(above.mass))
         scale = max(np.abs(difference).max(), 1e-6 * np.abs(getattr(above, field)).max())
         np.testing.assert_allclose(found, difference, rtol=0, atol=1e-6 * scale)
 

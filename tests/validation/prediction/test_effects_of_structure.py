@@ -27,6 +27,7 @@ from validation.prediction import dynamic_mass, effects
 from validation.prediction import effects as prediction_effects
 from validation.prediction import structure as prediction_structure
 from validation.prediction.effects import Nuisances
+from validation.prediction.tangents import with_damping_law
 from validation.virtual_test import shaker
 from validation.virtual_test.layout import ChainTruth
 from validation.virtual_test.plan import Plan, changed_rig, exact
@@ -67,7 +68,7 @@ class Model:
         m, tangents = prediction_effects.structure(*self.of.at(offsets, derivatives=derivatives), acting, derivatives=derivatives)
         if laws := self.of.laws:
             nominal = self.of.nominal
-            m, tangents = prediction_effects.with_damping_law(m, tangents, nominal, offsets, derivatives=derivatives, laws=laws)
+            m, tangents = with_damping_law(m, tangents, nominal, offsets, derivatives=derivatives, laws=laws)
         answered = dynamic_mass.dynamic_mass(m, lines)
         mounted = MountedDynamicMass(
             frequency=lines,

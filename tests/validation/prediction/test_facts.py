@@ -18,7 +18,7 @@ from validation.effects.catalogue import parse
 from validation.effects.effect import Vocabulary
 from validation.model.model import Added, Model
 from validation.prediction.classical_facts import ArticleFact, facts, require_bodies
-from validation.prediction.structure import drawn_inertia
+from validation.prediction.mounting import drawn_inertia
 from validation.virtual_test.layout import mavis
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.shaker import middles_of_cells

@@ -17,9 +17,9 @@ from geometry.frames import Array, rigid_transformation_6
 from geometry.inertia import Inertia
 from geometry.routes import inertia
 from validation.effects.stages import Matrices
-from validation.prediction import dynamic_mass
+from validation.prediction import dynamic_mass, mounting
 from validation.prediction import structure as prediction_structure
-from validation.prediction.effects import FIELDS, Tangent, crossed, full, of_arrays, plus
+from validation.prediction.tangents import FIELDS, Tangent, crossed, full, of_arrays, plus
 
 LINES = np.linspace(4.0, 32.0, 57)
 ARTICLES = ("clumod-1", "clumod-4", "disc+cuboid")
@@ -106,7 +106,7 @@ def test_parts_share_the_whole_stiffness_and_a_rigid_body_is_its_mass_matrix():
     assert set(m.parts) == {"mast", "lower-1", "lower-2", "upper-long", "upper-short", "upper-short-silicone"}
     np.testing.assert_allclose(sum(m.parts.values()), m.stiffness, atol=1e-9 * np.abs(m.stiffness).max())
     body = inertia(built_in("cuboid"))
-    m = prediction_structure.of_inertia(body, {"top": [0.0, 0.0, 0.4]})
+    m = mounting.of_inertia(body, {"top": [0.0, 0.0, 0.4]})
     found = dynamic_mass.dynamic_mass(m, LINES).matrix
     np.testing.assert_allclose(found, np.broadcast_to(body.about(np.zeros(3)).mass_matrix, found.shape), rtol=1e-14)
     np.testing.assert_allclose(m.places["top"] @ [0, 0, 0, 0, 1.0, 0], [0.4, 0, 0], atol=1e-15)
@@ -116,7 +116,7 @@ def test_parts_share_the_whole_stiffness_and_a_rigid_body_is_its_mass_matrix():
 @pytest.mark.parametrize("damping", [LOSSES, RATIO], ids=["losses", "ratio"])
 def test_modal_data_alone_answer_as_their_modes_and_residual_do(damping):
     bare = replace(modes("clumod-1", damping), shapes=np.zeros((0, 30)), condensed=None)
-    found = dynamic_mass.dynamic_mass(prediction_structure.of_modes(bare), LINES).matrix
+    found = dynamic_mass.dynamic_mass(mounting.of_modes(bare), LINES).matrix
     assert apart(found, by_modes(bare, LINES).matrix) < 1e-5  # carriers of R lie four times above the modes
 
 
@@ -162,14 +162,14 @@ def scaled(whole: Structure, s: float) -> Structure:
     )
 
 
-def test_a_held_structure_answers_a_force_as_the_whole_one_does():
+def test_a_held_structure_answers_a_force_as_the_whole_one_does(held):
     whole, at = structure("clumod-1"), locations("clumod-1")
-    m = prediction_structure.held(whole, modes("clumod-1", LOSSES), at)
+    m = held(whole, at).matrices
     assert m.base == 0
     drive, *responses = (dynamic_mass.along(m, place, [1.0, 0.0, 0.0]) for place in ("mast-top", "mast-top", "hub-1"))
     found = dynamic_mass.accelerance(m, LINES, responses, drive).matrix
     truth = held_directly(whole, [at["mast-top"], at["hub-1"]], at["mast-top"])
-    np.testing.assert_allclose(found[:, :, 0], truth, rtol=0, atol=1e-6 * np.abs(truth).max())
+    np.testing.assert_allclose(found[:, :, 0], truth, rtol=0, atol=1e-4 * np.abs(truth).max())  # of `LEFT_OUT`, which is 1e-3
 
 
 def held_directly(whole: Structure, points: list[Array], drive: Array) -> Array:
@@ -314,14 +314,11 @@ def test_tangents_add_on_the_coordinates_of_both():
         np.testing.assert_allclose(full(both, name, SIZE), full(one, name, SIZE) + full(other, name, SIZE))
 
 
-SWAYS = slice(30, None)
-"""Coordinates of a held structure behind its thirty modes: what the others answer statically."""
-
-
-def test_what_answers_smoothly_over_a_band_is_condensed_and_neither_answers_nor_derivatives_change():
-    m = prediction_structure.held(structure("clumod-4"), modes("clumod-4", LOSSES), locations("clumod-4"))
+def test_what_answers_smoothly_over_a_band_is_condensed_and_neither_answers_nor_derivatives_change(held):
+    of = held(structure("clumod-4"), locations("clumod-4"))
+    m, sways = of.matrices, slice(len(of.frequency), None)
     rows = np.array([dynamic_mass.along(m, place, [1.0, 0.0, 0.0]) for place in ("mast-top", "hub-1")])
-    few = dynamic_mass.Condensed.of(m, 2 * np.pi * LINES, rows.T, SWAYS)
+    few = dynamic_mass.Condensed.of(m, 2 * np.pi * LINES, rows.T, sways)
     assert few is not None
     assert len(few.matrices.mass) < 0.75 * len(m.mass)
     part = of_arrays(len(m.mass), stiffness=m.parts["mast"], structural=0.1 * m.parts["mast"])
@@ -335,8 +332,9 @@ def test_what_answers_smoothly_over_a_band_is_condensed_and_neither_answers_nor_
         np.testing.assert_allclose(found[name], change, rtol=0, atol=dynamic_mass.SPANNED * np.abs(change).max())
 
 
-def test_what_resounds_in_the_band_is_condensed_where_that_is_right_between_all_lines_and_few_lines_are_solved_as_they_are():
-    m = prediction_structure.held(structure("clumod-4"), modes("clumod-4", LOSSES), locations("clumod-4"))
+def test_what_resounds_in_the_band_is_condensed_where_that_is_right_between_all_lines_and_few_lines_are_solved_as_they_are(held):
+    of = held(structure("clumod-4"), locations("clumod-4"))
+    m, sways = of.matrices, slice(len(of.frequency), None)
     rows = np.array([dynamic_mass.along(m, place, [1.0, 0.0, 0.0]) for place in ("mast-top", "hub-1")])
     f = np.linspace(LINES[0], LINES[-1], 4001)
     few = dynamic_mass.Condensed.of(m, 2 * np.pi * LINES, rows.T, slice(0, None))
@@ -344,4 +342,4 @@ def test_what_resounds_in_the_band_is_condensed_where_that_is_right_between_all_
     condensed = dynamic_mass.accelerance(few.matrices, f, few.of_rows(rows), few.of_rows(rows[0])).matrix
     whole = dynamic_mass.accelerance(m, f, rows, rows[0]).matrix
     assert np.abs(condensed - whole).max() < 0.1 * dynamic_mass.SPANNED * np.abs(whole).max()
-    assert dynamic_mass.Condensed.of(m, 2 * np.pi * LINES[:20], rows.T, SWAYS) is None
+    assert dynamic_mass.Condensed.of(m, 2 * np.pi * LINES[:20], rows.T, sways) is None

@@ -17,6 +17,7 @@ from validation.model.model import Added, StructureTolerances
 from validation.prediction import dynamic_mass, effects
 from validation.prediction import structure as prediction_structure
 from validation.prediction.effects import Nuisances
+from validation.prediction.tangents import DAMPING_LAW, LOSS_COUPLING, Tangent, full, with_damping_law
 
 LINES = np.array([5.0, 11.5, 12.4, 28.0])
 
@@ -49,7 +50,7 @@ def test_every_derivative_is_its_difference(one):
     at = away(one)
     m, tangents = one.at(at)
     found = dynamic_mass.transfer_tangents(dynamic_mass.dynamic_mass(m, LINES), tangents)
-    own = [parameter for parameter in one.parameters if parameter.name != effects.DAMPING_LAW]  # which acts behind effects
+    own = [parameter for parameter in one.parameters if parameter.name != DAMPING_LAW]  # which acts behind effects
     assert set(found) == {parameter.name for parameter in own}
     for parameter in own:
         step = 1e-4 * parameter.tolerance
@@ -95,10 +96,10 @@ def test_a_part_that_loses_more_than_the_others_may_couple_no_modes_though_all_w
     one = made("clumod-1", None)
     of = replace(one, tolerances=replace(one.tolerances, loss_coupling=0.5))
     assert len({of.losses[part] for part in of.lossy}) == 1
-    assert effects.LOSS_COUPLING in {each.name for each in of.parameters}
+    assert LOSS_COUPLING in {each.name for each in of.parameters}
     lossier = Added(named=parse("structural-damping:mast=0.03"))
     (coupled, _), (alone, _) = (
-        dynamic_mass.structure(of, {effects.DAMPING_LAW: 0.0, effects.LOSS_COUPLING: share}, (lossier,), derivatives=False)
+        dynamic_mass.structure(of, {DAMPING_LAW: 0.0, LOSS_COUPLING: share}, (lossier,), derivatives=False)
         for share in (0.0, 1.0)
     )
     own = slice(of.nominal.base, of.nominal.base + 5)
@@ -120,7 +121,7 @@ def test_a_mode_that_loses_more_than_its_parts_say_loses_more_of_what_an_effect_
     step = 1e-4
     above, below = (dynamic_mass.structure(of, {**at, r: at[r] + x}, lossier, derivatives=False)[0] for x in (step, -step))
     for name in ("structural", "viscous"):
-        told = effects.full(tangents[r], name, len(found.mass))
+        told = full(tangents[r], name, len(found.mass))
         change = (getattr(above, name) - getattr(below, name)) / (2 * step)
         assert_allclose(told, change, atol=1e-6 * np.abs(change).max())
 
@@ -214,20 +215,19 @@ def test_a_loss_factor_is_one_for_all_sheets_and_articles_and_damping_by_mode_fr
     assert not any(each.name.startswith("loss:") for each in ratio.parameters)
 
 
-def test_a_stated_damping_ratio_stays_when_a_modulus_moves_the_frequency_and_a_held_structure_has_no_participation():
+def test_a_stated_damping_ratio_stays_when_a_modulus_moves_the_frequency_and_a_held_structure_has_no_participation(held):
     one = made("clumod-1", Damping(ratio=0.01))
     m, _ = one.at({"modulus:mast": 0.1, "frequency:clumod-1:2": 0.02})
     at = slice(6, 6 + len(one.frequency))
     ratio = np.diag(m.viscous)[at] / (2 * np.sqrt(np.diag(m.stiffness)[at]))
     np.testing.assert_allclose(ratio, 0.01, rtol=1e-9)
     structure = articles.structure("clumod-1")
-    modes = fixed_base(structure, 12)
-    held = prediction_structure.held(structure, modes, {"top": structure.points[-1]})
-    found = effects.nuisances("clumod-1", held, modes.frequency, structure.loss_factors, highest=20.0)
+    still = held(structure, {"top": structure.points[-1]})
+    found = effects.nuisances("clumod-1", still.matrices, still.frequency, structure.loss_factors, highest=20.0)
     assert not any(parameter.name.startswith("participation") for parameter in found.parameters)
     m, tangents = found.at({"frequency:clumod-1:1": 1e-3})
-    assert {*tangents, effects.DAMPING_LAW} == {parameter.name for parameter in found.parameters}
-    assert m.stiffness[0, 0] > held.stiffness[0, 0]
+    assert {*tangents, DAMPING_LAW} == {parameter.name for parameter in found.parameters}
+    assert m.stiffness[0, 0] > still.matrices.stiffness[0, 0]
 
 
 @pytest.fixture(scope="module")
@@ -237,8 +237,8 @@ def of():
 
 def answered(of, share, lines, apart=0.0):
     made, tangents = of.at({})
-    laws = {effects.DAMPING_LAW: share, effects.LOSS_COUPLING: apart}
-    changed, behind = effects.with_damping_law(made, tangents, of.nominal, laws, derivatives=True)
+    laws = {DAMPING_LAW: share, LOSS_COUPLING: apart}
+    changed, behind = with_damping_law(made, tangents, of.nominal, laws, derivatives=True)
     return dynamic_mass.dynamic_mass(changed, lines), behind
 
 
@@ -257,13 +257,13 @@ def test_its_derivative_and_those_behind_it_are_differences(of):
     here, behind = answered(of, share, lines)
     slopes = dynamic_mass.transfer_tangents(here, behind)
     above, below = (answered(of, share + side * step, lines)[0].matrix for side in (1, -1))
-    scale = np.abs(slopes[effects.DAMPING_LAW]).max()
-    assert_allclose(slopes[effects.DAMPING_LAW], (above - below) / (2 * step), atol=1e-6 * scale)
+    scale = np.abs(slopes[DAMPING_LAW]).max()
+    assert_allclose(slopes[DAMPING_LAW], (above - below) / (2 * step), atol=1e-6 * scale)
     for name in ("loss:mast", "modulus:mast"):
         sides = []
         for side in (1, -1):
             made, _ = of.at({name: side * step})
-            changed, _ = effects.with_damping_law(made, {}, of.nominal, {effects.DAMPING_LAW: share}, derivatives=False)
+            changed, _ = with_damping_law(made, {}, of.nominal, {DAMPING_LAW: share}, derivatives=False)
             sides.append(dynamic_mass.dynamic_mass(changed, lines).matrix)
         assert_allclose(slopes[name], (sides[0] - sides[1]) / (2 * step), atol=1e-4 * np.abs(slopes[name]).max(), err_msg=name)
 
@@ -271,19 +271,19 @@ def test_its_derivative_and_those_behind_it_are_differences(of):
 def test_without_coupling_every_mode_loses_by_itself_and_the_derivatives_know_it(of):
     """Nothing is left beside the diagonal of what parts lose; and on the way there slopes are differences."""
     made, _ = of.at({})
-    apart, _ = effects.with_damping_law(made, {}, of.nominal, {effects.LOSS_COUPLING: 1.0}, derivatives=False)
+    apart, _ = with_damping_law(made, {}, of.nominal, {LOSS_COUPLING: 1.0}, derivatives=False)
     assert_allclose(apart.structural, np.diag(np.diag(made.structural)))
     lines, step, at = np.array([5.0, 11.6, 14.0]), 0.02, {"share": 0.3, "apart": 0.4}  # one blade: there is little to couple
     here, behind = answered(of, lines=lines, **at)
     slopes = dynamic_mass.transfer_tangents(here, behind)
-    for name, key in ((effects.LOSS_COUPLING, "apart"), (effects.DAMPING_LAW, "share")):
+    for name, key in ((LOSS_COUPLING, "apart"), (DAMPING_LAW, "share")):
         above, below = (answered(of, lines=lines, **at | {key: at[key] + side * step})[0].matrix for side in (1, -1))
         assert_allclose(slopes[name], (above - below) / (2 * step), atol=2e-3 * np.abs(slopes[name]).max(), err_msg=name)
-    laws, step = {effects.DAMPING_LAW: 0.3, effects.LOSS_COUPLING: 0.4}, 1e-4
+    laws, step = {DAMPING_LAW: 0.3, LOSS_COUPLING: 0.4}, 1e-4
     sides = []
     for side in (1, -1):
         made, _ = of.at({"loss:mast": side * step})
-        changed, _ = effects.with_damping_law(made, {}, of.nominal, laws, derivatives=False)
+        changed, _ = with_damping_law(made, {}, of.nominal, laws, derivatives=False)
         sides.append(dynamic_mass.dynamic_mass(changed, lines).matrix)
     difference, scale = (sides[0] - sides[1]) / (2 * step), np.abs(slopes["loss:mast"]).max()
     assert_allclose(slopes["loss:mast"], difference, atol=1e-4 * scale)
@@ -293,7 +293,7 @@ def test_modes_that_an_effect_turns_lose_each_by_itself_or_what_they_lost_before
     """Losses that are told by mode: 60 g on a satellite's boom were a resonator of a gram as well, since its modes had turned."""
     one = made("clumod-4", Damping(ratio=0.01))
     of = replace(one, tolerances=replace(one.tolerances, loss_coupling=0.5), weighed=0.0)
-    name, (r, s) = effects.LOSS_COUPLING, of.pairs[0]
+    name, (r, s) = LOSS_COUPLING, of.pairs[0]
     assert name in {each.name for each in of.parameters}
     softer = (Added(named=parse("modulus:upper-long=-0.4"), fixed=False),)
     (as_before, _), (apart, _) = (dynamic_mass.structure(of, {name: at}, softer, derivatives=False) for at in (0.0, 1.0))
@@ -306,16 +306,16 @@ def test_modes_that_an_effect_turns_lose_each_by_itself_or_what_they_lost_before
     assert_allclose(np.diag(after), np.diag(before), rtol=1e-9)
     assert np.abs(after[beyond]).max() < 0.1 * np.abs(before[beyond]).max()
     coupled = {f"coupling:clumod-4:{r + 1}:{s + 1}": 0.3, "damping:clumod-4:2": 0.2, "frequency:clumod-4:1": 0.01, name: 0.6}
-    at = {**coupled, "modulus:mast": 0.02, effects.DAMPING_LAW: 0.0}
+    at = {**coupled, "modulus:mast": 0.02, DAMPING_LAW: 0.0}
 
-    def answer(offsets: dict[str, float], **sized: float) -> tuple[dynamic_mass.CondensedTransfer, dict[str, effects.Tangent]]:
+    def answer(offsets: dict[str, float], **sized: float) -> tuple[dynamic_mass.CondensedTransfer, dict[str, Tangent]]:
         added = (replace(softer[0], named=replace(softer[0].named, values={"": sized.get("size", -0.4)})),)
         found, tangents = dynamic_mass.structure(of, offsets, added, derivatives=True)
         return dynamic_mass.dynamic_mass(found, LINES), tangents
 
     here, tangents = answer(at)
     slopes, step = dynamic_mass.transfer_tangents(here, tangents), 1e-4
-    for key in at if effects.DAMPING_LAW in slopes else [key for key in at if key != effects.DAMPING_LAW]:
+    for key in at if DAMPING_LAW in slopes else [key for key in at if key != DAMPING_LAW]:
         above, below = (answer({**at, key: at[key] + side * step})[0].matrix for side in (1, -1))
         assert_allclose(slopes[key], (above - below) / (2 * step), atol=1e-4 * np.abs(slopes[key]).max(), err_msg=key)
     size = next(key for key in slopes if key == "modulus:upper-long" or key.startswith("modulus:upper-long["))
@@ -331,7 +331,7 @@ def test_what_couples_two_modes_follows_the_law_by_which_they_lose(share):
     one = made("clumod-1", None)
     one = replace(one, tolerances=replace(one.tolerances, loss_coupling=0.5), losses={**one.losses, "mast": 0.03})
     (r, s), b = one.pairs[0], one.nominal.base
-    at = {f"coupling:clumod-1:{r + 1}:{s + 1}": 0.2, effects.DAMPING_LAW: share, effects.LOSS_COUPLING: 1.0}
+    at = {f"coupling:clumod-1:{r + 1}:{s + 1}": 0.2, DAMPING_LAW: share, LOSS_COUPLING: 1.0}
     found, _ = dynamic_mass.structure(one, at, (), derivatives=False)
     of, none = (found.viscous, found.structural) if share else (found.structural, found.viscous)
     assert_allclose(of[b + r, b + s], 0.2 * np.sqrt(of[b + r, b + r] * of[b + s, b + s]), rtol=1e-9)
@@ -339,9 +339,9 @@ def test_what_couples_two_modes_follows_the_law_by_which_they_lose(share):
 
 
 def test_it_is_open_where_parts_lose_something_and_one_for_all_structures(of):
-    (law,) = (one for one in of.parameters if one.name == effects.DAMPING_LAW)
+    (law,) = (one for one in of.parameters if one.name == DAMPING_LAW)
     assert law.tolerance == of.tolerances.damping_law
     assert (law.low, law.high) == (0.0, 1.0)  # beyond, and with less than no loss, a structure would be driven by itself
     assert {one.low for one in of.parameters if one.family == "loss"} == {-1.0}
     bare = effects.nuisances("clumod-1", of.nominal, of.frequency, {})
-    assert effects.DAMPING_LAW not in {one.name for one in bare.parameters}
+    assert DAMPING_LAW not in {one.name for one in bare.parameters}

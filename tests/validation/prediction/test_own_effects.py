@@ -18,7 +18,7 @@ from validation.estimation.problem import EFFECT, Problem
 from validation.model import model_file
 from validation.model.model import require_pair
 from validation.prediction.dynamic_mass import dynamic_mass
-from validation.prediction.structure import drawn_inertia, mounted_article
+from validation.prediction.mounting import drawn_inertia, mounted_article
 
 BLADE = "fmd+clumod-1"
 DAMPED, LOWPASS = "dashpot:mast-top", "force-lowpass:fmd-z2"

@@ -11,13 +11,14 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import Point
 from identification.response_functions import ResponseFunctions
+from identification.spectra import noise
 from validation.effects.catalogue import Named
 from validation.effects.stages import Matrices
 from validation.estimation.evaluate import evaluate
 from validation.estimation.problem import Problem
 from validation.model.model import Added, StructureTolerances
 from validation.prediction import effects as prediction_effects
-from validation.prediction import response_functions, series
+from validation.prediction import response_functions
 from validation.prediction.response_functions import ResponseFunctionTest, measured
 
 M, K, ETA = np.diag([2.0, 3.0, 1.5]), 1e4 * np.array([[5.0, -2.0, 0.0], [-2.0, 4.0, -1.0], [0.0, -1.0, 1.0]]), 0.01
@@ -128,18 +129,18 @@ def test_noise_is_found_from_the_scatter_of_lines_beside_a_resonance():
     rng, f, sd = np.random.default_rng(1), 0.02 * np.arange(1, 3000), 0.03
     smooth = -(f**2) / (30.0**2 - f**2 + 2j * 0.002 * 30.0 * f)
     values = smooth + sd * (rng.standard_normal((2, len(f))) + 1j * rng.standard_normal((2, len(f)))) / np.sqrt(2)
-    found = series.noise(f, values[:, :, None])
+    found = noise.between_neighbours(f, values[:, :, None])
     assert_allclose(np.median(found), sd, rtol=0.03)
     away = np.abs(f - 30.0) > 2.0
     assert_allclose(np.quantile(found[:, away], [0.05, 0.95]), sd, rtol=0.4)  # a median of 101 lines scatters by a sixth
     assert 0.5 * sd < found[:, ~away].min() < found[:, ~away].max() < 3 * sd  # skirts of a peak of 250 bend
-    assert_allclose(series.noise(f, 7 * values[:, :, None]), 7 * found, rtol=1e-12)
+    assert_allclose(noise.between_neighbours(f, 7 * values[:, :, None]), 7 * found, rtol=1e-12)
 
 
 def test_the_noise_of_lines_at_the_ends_is_told_by_as_many_lines_as_that_of_any_other():
     rng, f, sd = np.random.default_rng(3), 0.2 * np.arange(1, 40), 0.03
     values = sd * (rng.standard_normal((400, len(f))) + 1j * rng.standard_normal((400, len(f)))) / np.sqrt(2)
-    found = series.noise(f, values[:, :, None])[..., 0]
+    found = noise.between_neighbours(f, values[:, :, None])[..., 0]
     scatter = np.log(found).std(axis=0)
     assert_allclose(scatter[[0, 1, -2, -1]], scatter[len(f) // 2], rtol=0.25)  # 1.7 times as much where an end was repeated
 
@@ -148,12 +149,12 @@ def test_readings_that_differ_by_a_share_repeat_to_it_and_what_tells_no_scatter_
     rng, share = np.random.default_rng(2), 0.02
     exact = chain()
     error = (rng.standard_normal(exact.shape) + 1j * rng.standard_normal(exact.shape)) / np.sqrt(2)
-    assert series.repeatability(exact * (1 + share * error)) == pytest.approx(share, rel=0.05)
-    assert series.repeatability(exact * [1.0, 1.08, 0.97] * (1 + share * error)) == pytest.approx(share, rel=0.05)  # gains
+    assert noise.repeatability(exact * (1 + share * error)) == pytest.approx(share, rel=0.05)
+    assert noise.repeatability(exact * [1.0, 1.08, 0.97] * (1 + share * error)) == pytest.approx(share, rel=0.05)  # gains
     with pytest.raises(ValueError, match="7 lines within"):
-        series.noise(np.arange(5.0), np.ones((1, 5, 1)))
+        noise.between_neighbours(np.arange(5.0), np.ones((1, 5, 1)))
     with pytest.raises(ValueError, match="two runs or more"):
-        series.repeatability(np.ones((1, 5, 1)))
+        noise.repeatability(np.ones((1, 5, 1)))
 
 
 def functions(values: ComplexArray, **options: object) -> ResponseFunctions:

@@ -21,8 +21,8 @@ from validation.estimation import evaluate
 from validation.estimation.fit import fit
 from validation.estimation.problem import EFFECT, FITTED, PLAIN, Change, Offsets, Parameter, Problem
 from validation.model.model import Model
+from validation.prediction.mounting import moving_part
 from validation.prediction.series import SeriesPrediction, predictions
-from validation.prediction.structure import moving_part
 from validation.virtual_test.plan import NOISE, RIGID
 from validation.virtual_test.simulate import VirtualTest, simulate
 

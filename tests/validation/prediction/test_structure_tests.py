@@ -17,7 +17,7 @@ from validation.effects.catalogue import FAMILIES, Named, acts, parse
 from validation.model import model_file
 from validation.model.model import Added, StructureTolerances
 from validation.prediction import effects, structure_tests
-from validation.prediction.structure import mounted_article
+from validation.prediction.mounting import mounted_article
 from validation.study import Study
 
 STUDY = """format = 1

@@ -10,8 +10,7 @@ import numpy as np
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
 from identification.campaign import POUND_FORCE, STANDARD_GRAVITY
-from validation.compare.correlation import GREEN, ModalCorrelation, ModePair
-from validation.compare.maps import NamedMode
+from validation.compare.correlation import GREEN, ModalCorrelation, ModePair, NamedMode
 from validation.report.charts import spec
 from validation.report.charts.figure import Figure, Values
 from validation.report.charts.interactive import WIDE, decades, dressed, escaped, magnitude_range, modes, phase

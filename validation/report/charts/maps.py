@@ -11,7 +11,8 @@ import numpy as np
 from geometry.dynamic_mass import SIGNS, ComplexArray
 from geometry.frames import Array
 from validation.compare.compare import SENSED, run
-from validation.compare.maps import Map, NamedMode, Pairs
+from validation.compare.correlation import NamedMode
+from validation.compare.maps import Map, Pairs
 from validation.report.charts import interactive, spec, static
 from validation.report.charts.figure import Figure
 from validation.report.charts.interactive import LEGEND_ROOM, TITLE_ROOM, add_entry, dressed, escaped, legend_above
