@@ -142,6 +142,16 @@ class Deck:
                 for table in (self.masses, self.links, self.means, self.springs):
                     table.pop(name, None)
                 self.lose(name, "it stands at a node that is not there")
+        bare = there - self.numbers(1, 2, 3) - set(self.carriers) - {n for n, _ in self.means.values()}
+        bare -= {node for _, riders in self.links.values() for node in numbers_of(self.mesh, riders)}
+        for name, (ends, stiffness) in list(self.springs.items()):
+            acts = {str(k + 1) for k in np.flatnonzero(stiffness)}
+            kept = tuple(end for end in ends if not (end in bare and acts <= self.held.get(end, set())))
+            if set(kept) & bare:
+                del self.springs[name]
+                self.lose(name, "it ends at a node that nothing else is at, and that is not held")
+            elif kept != ends:  # the other end is the ground's
+                self.springs[name] = kept, stiffness
         turning = self.turning  # what does not turn need not be carried in rotation
         for name, (_, riders) in self.links.items():
             if set(self.riding[name]) >= (ALL if turning & set(numbers_of(self.mesh, riders)) else TRANSLATIONS):
@@ -259,8 +269,12 @@ class Deck:
                 section = {"outer_diameter": 2 * d[0], "inner_diameter": 2 * (d[1] if kind == "TUBE" else d[0] - d[1])}
             elif kind == "BOX":
                 section = box_section(d[0], d[1], d[3], d[2])
-            elif kind == "I" and abs(real(f[10]) - d[1]) + abs(real(f[13]) - real(f[12])) <= ALIKE * d[0]:
-                section = i_section(d[0], d[1], d[3], real(f[12]))
+            elif kind in ("I", "T", "L", "CHAN", "HAT"):
+                section, (up, right) = open_section(kind, [real(text) for text in f[8 : 8 + _SIZES[kind]]])
+                if card == "PBEAML" and kind == "HAT":
+                    self.lose(name, "where a hat has its shear centre, about which it twists")
+                elif card == "PBEAML":
+                    neutral_axis = -right, up
             else:
                 self.lose(name, f"a section of kind {kind}")
             added = real(f[8 + _SIZES.get(kind, 0)]) if section else 0.0
@@ -373,7 +387,7 @@ class Deck:
         return [*names, *sorted(left)]
 
 
-_SIZES = {"BAR": 2, "ROD": 1, "TUBE": 2, "TUBE2": 2, "BOX": 4, "I": 6}
+_SIZES = {"BAR": 2, "ROD": 1, "TUBE": 2, "TUBE2": 2, **dict.fromkeys(("BOX", "T", "L", "CHAN", "HAT"), 4), "I": 6}
 """How many sizes a section of each kind has, behind which stands a mass per length."""
 
 
@@ -396,22 +410,55 @@ def box_section(width: float, height: float, side: float, top: float) -> dict[st
     }
 
 
-def i_section(height: float, width: float, web: float, flange: float) -> dict[str, float]:
-    """Area and second moments of an I with two equal flanges; torsion after Saint-Venant, of thin strips.
+def open_section(kind: str, sizes: Sequence[float]) -> tuple[dict[str, float], tuple[float, float]]:
+    """Section of Nastran's `kind` of plates, and where along its y and z its middle is from the shear centre (0 of a hat).
+
+    Torsion after Saint-Venant, of thin strips; shear centres of thin walls (S. P. Timoshenko, Strength of Materials, part II).
 
     Raises
     ------
-    ValueError : flanges that leave no web.
+    ValueError : plates that are no such section.
     """
-    if not (0 < web < width and 0 < 2 * flange < height):
-        raise ValueError(f"flanges of {flange:g} and a web of {web:g} make no I of {height:g} by {width:g}")
-    between = height - 2 * flange
-    return {
-        "area": 2 * width * flange + between * web,
-        "Iy": (width * height**3 - (width - web) * between**3) / 12,
-        "Iz": (2 * flange * width**3 + between * web**3) / 12,
-        "J": (2 * width * flange**3 + (height - flange) * web**3) / 3,
+    plates: list[tuple[float, float, float, float]]  # of each its middle along y and z, its height and its width
+    y, z = 0.0, 0.0  # of the shear centre
+    if kind == "I":
+        h, below, above, web, bottom, top = sizes
+        y = bottom / 2 + (h - (bottom + top) / 2) * top * above**3 / (top * above**3 + bottom * below**3)
+        plates = [
+            (bottom / 2, 0, bottom, below),
+            (h - top / 2, 0, top, above),
+            ((h + bottom - top) / 2, 0, h - bottom - top, web),
+        ]
+    else:
+        a, b, s, t = sizes
+        if kind == "T":
+            y, plates = b - s / 2, [(b - s / 2, 0, s, a), ((b - s) / 2, 0, b - s, t)]
+        elif kind == "L":
+            (y, z), plates = (s / 2, t / 2), [(s / 2, a / 2, s, a), ((b + s) / 2, t / 2, b - s, t)]
+        elif kind == "CHAN":
+            y, z = b / 2, s / 2 - 3 * t * (a - s / 2) ** 2 / (6 * t * (a - s / 2) + s * (b - t))
+            plates = [(t / 2, a / 2, t, a), (b - t / 2, a / 2, t, a), (b / 2, s / 2, b - 2 * t, s)]
+        else:
+            plates = [(a - b / 2, 0, b, s)]
+            for side in (-1, 1):
+                plates += [((a - b) / 2, side * (s - b) / 2, a - b, b), (b / 2, side * (s + t) / 2, b, t)]
+    up, right, height, width = np.array(plates).T
+    if not np.all((height > 0) & (width > 0)):
+        raise ValueError(f"{', '.join(f'{one:g}' for one in sizes)} make no {kind}")
+    area = height * width
+    A, high, far = float(area.sum()), float(area @ up / area.sum()), float(area @ right / area.sum())
+    up, right = up - high, right - far
+    section = {
+        "area": A,
+        "Iy": float(area @ (up**2 + height**2 / 12)),
+        "Iz": float(area @ (right**2 + width**2 / 12)),
+        "J": float(np.maximum(height, width) @ np.minimum(height, width) ** 3 / 3),
     }
+    product = float(area @ (up * right))  # its z is Nastran's y, and its y is -z there
+    if abs(product) > ALIKE * section["Iy"]:
+        section["Iyz"] = -product
+    off = [0.0 if kind == "HAT" or abs(one) <= ALIKE * A**0.5 else one for one in (high - y, far - z)]
+    return section, (off[0], off[1])
 
 
 def read(path: Path) -> Deck:

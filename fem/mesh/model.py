@@ -104,7 +104,7 @@ def structure(found: described.MeshDescription, mesh: files.MeshFile) -> Structu
             "units", problem, f"In {' or '.join(fitting)} it would be of ordinary size" if fitting else "Check the mesh"
         )
     _require_sound(found, points, blocks)
-    elements, linked = _numbered(found, mesh.source, points, tags, blocks, sets)
+    elements, linked = _numbered(found, mesh, points, tags, blocks, sets)
     stiffness, mass, sections = assembled(elements)
     made = _Made(found=found, elements=elements, sets=sets)
     supports, joints = list[str](), list[str]()
@@ -340,18 +340,26 @@ def _require_sound(found: described.MeshDescription, points: Array, blocks: Sequ
 
 def _numbered(
     found: described.MeshDescription,
-    source: str,
+    mesh: files.MeshFile,
     points: Array,
     tags: Integers,
     blocks: tuple[Block, ...],
     sets: dict[str, Integers],
 ) -> tuple[Elements, dict[str, tuple[int, int]]]:
-    """The elements, and by name the joints of links: two nodes at one place each, the link's own and what its part rides on."""
+    """The elements, and by name the joints of links: two nodes at one place each, the link's own and what its part rides on.
+
+    A link has the number of the node that the file has for it, where no element ends and no other node is.
+    """
     from scipy.sparse import coo_array, eye_array
 
     own, carriers = len(points), list(_carriers(found, tags, blocks, sets))
     points = np.vstack([points, *(np.array([found.links[one.link].at]) for one in carriers)])
-    tags = np.append(tags, np.zeros(len(carriers), dtype=np.intp))
+    near, spare = COINCIDENT * float(np.ptp(points, axis=0).max()), ~np.isin(mesh.node_tags, tags)
+    bare, numbers = mesh.points[spare] * found.length, mesh.node_tags[spare]
+    there = [numbers[np.linalg.norm(bare - at, axis=1) <= near] for at in points[own:]]
+    tags = np.append(
+        tags, [of[0] if len(of) == 1 and not one.part else 0 for of, one in zip(there, carriers, strict=True)]
+    ).astype(np.intp)
     turning = np.zeros(len(points), dtype=bool)
     turning[own:] = True
     for block in blocks:
@@ -416,7 +424,7 @@ def _numbered(
         if len(turned.rows):
             carried = carried + turned.matrix(size) @ carried
     made = Elements(
-        source=source,
+        source=mesh.source,
         node_tags=tags,
         points=points,
         blocks=blocks,
