@@ -269,7 +269,9 @@ def _nodes(
     found: described.MeshDescription, mesh: files.MeshFile, blocks: tuple[Block, ...]
 ) -> tuple[tuple[Block, ...], Array, Integers, Sets, Mapping[str, tuple[Integers, Integers]]]:
     """Blocks with nodes numbered anew, points [m], their numbers in the file, groups of nodes, and both sides of every joint."""
-    used = np.unique(np.concatenate([block.nodes.ravel() for block in blocks]))
+    riders = [one for link in found.riding.values() for one in link.nodes if isinstance(one, int)]  # also at no element
+    ridden = np.flatnonzero(np.isin(mesh.node_tags, riders) & (mesh.node_tags > 0))
+    used = np.unique(np.concatenate([ridden, *(block.nodes.ravel() for block in blocks)]))
     number = np.full(len(mesh.points), -1, dtype=np.intp)
     number[used] = np.arange(len(used))
     blocks = tuple(replace(block, nodes=number[block.nodes]) for block in blocks)
@@ -360,8 +362,8 @@ def _numbered(
     tags = np.append(
         tags, [of[0] if len(of) == 1 and not one.part else 0 for of, one in zip(there, carriers, strict=True)]
     ).astype(np.intp)
-    turning = np.zeros(len(points), dtype=bool)
-    turning[own:] = True
+    turning = np.ones(len(points), dtype=bool)
+    turning[np.concatenate([block.nodes.ravel() for block in blocks])] = False
     for block in blocks:
         if block.turning:
             turning[block.nodes] = True
@@ -638,6 +640,9 @@ class _Made:
         ends = {name: np.unique(node[np.unique(spring.indices[spring.data != 0])]) for name, spring in springs.items()}
         together = [block.nodes for block in elements.blocks] + [one[None] for one in ends.values() if len(one)]
         together += [np.array([pair]) for pair in linked]
+        for name, one in found.springs.items():  # an end that is held moves nothing, and holds the other
+            both = [at for at in one.at if isinstance(at, int) or at in self.sets]
+            together += [_chosen(found, self.sets, elements.node_tags, both, name)[None]] if both else []
         for name, link in found.riding.items():
             together.append(np.append(self.sets[name], _chosen(found, self.sets, elements.node_tags, link.nodes, name))[None])
         pairs = np.vstack([np.column_stack([np.repeat(own[:, 0], own.shape[1]), own.ravel()]) for own in together])
