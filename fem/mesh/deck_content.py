@@ -242,9 +242,7 @@ class Deck:
 
     def beam_property(self, card: str, f: Sequence[str]) -> None:
         name, section = f"{card} {f[0]}", dict[str, float]()
-        added = 0.0
-        neutral_axis: tuple[float, ...] = ()
-        shear: tuple[float, ...] = ()
+        added, neutral_axis, shear = 0.0, tuple[float, ...](), tuple[float, ...]()
         if card in ("PBAR", "PBEAM"):
             if card == "PBAR":
                 (A, I1, I2, J, added), I12, (K1, K2) = map(real, f[2:7]), real(f[18]), map(real, f[16:18])
@@ -267,14 +265,11 @@ class Deck:
                 section = {"outer_diameter": 2 * d[0], "inner_diameter": 0.0}
             elif kind in ("TUBE", "TUBE2"):
                 section = {"outer_diameter": 2 * d[0], "inner_diameter": 2 * (d[1] if kind == "TUBE" else d[0] - d[1])}
-            elif kind == "BOX":
-                section = box_section(d[0], d[1], d[3], d[2])
-            elif kind in ("I", "T", "L", "CHAN", "HAT"):
-                section, (up, right) = open_section(kind, [real(text) for text in f[8 : 8 + _SIZES[kind]]])
+            elif kind in ("BOX", "I", "T", "L", "CHAN", "HAT"):
+                section, (up, right) = plated(kind, [real(text) for text in f[8 : 8 + _SIZES[kind]]])
+                neutral_axis = (-right, up) if card == "PBEAML" else ()
                 if card == "PBEAML" and kind == "HAT":
                     self.lose(name, "where a hat has its shear centre, about which it twists")
-                elif card == "PBEAML":
-                    neutral_axis = -right, up
             else:
                 self.lose(name, f"a section of kind {kind}")
             added = real(f[8 + _SIZES.get(kind, 0)]) if section else 0.0
@@ -311,7 +306,7 @@ class Deck:
         elif o.get("SECTION") == "PIPE":
             section = {"outer_diameter": 2 * sizes[0], "inner_diameter": 2 * (sizes[0] - sizes[1])}
         elif o.get("SECTION") == "BOX" and len(sizes) == 6 and sizes[2] == sizes[4] and sizes[3] == sizes[5]:
-            section = box_section(sizes[1], sizes[0], sizes[3], sizes[2])
+            section = plated("BOX", (sizes[1], sizes[0], *sizes[2:4]))[0]
         else:
             self.lose(name, f"a section of kind {o.get('SECTION', 'none')}")
         self.properties[group] = Property(material=o["MATERIAL"], section=section, z_axis=z_axis)
@@ -391,74 +386,49 @@ _SIZES = {"BAR": 2, "ROD": 1, "TUBE": 2, "TUBE2": 2, **dict.fromkeys(("BOX", "T"
 """How many sizes a section of each kind has, behind which stands a mass per length."""
 
 
-def box_section(width: float, height: float, side: float, top: float) -> dict[str, float]:
-    """Area and second moments of a hollow rectangle, whose sides are `side` thick, top and bottom `top`; torsion after Bredt.
-
-    Raises
-    ------
-    ValueError : walls that leave no hollow.
-    """
-    if not (0 < 2 * side < width and 0 < 2 * top < height):
-        raise ValueError(f"walls of {side:g} and {top:g} leave no hollow in {width:g} by {height:g}")
-    inner_width, inner_height = width - 2 * side, height - 2 * top
-    middle = (width - side) * (height - top)
-    return {
-        "area": width * height - inner_width * inner_height,
-        "Iy": (width * height**3 - inner_width * inner_height**3) / 12,
-        "Iz": (height * width**3 - inner_height * inner_width**3) / 12,
-        "J": 2 * middle**2 / ((width - side) / top + (height - top) / side),
-    }
-
-
-def open_section(kind: str, sizes: Sequence[float]) -> tuple[dict[str, float], tuple[float, float]]:
+def plated(kind: str, sizes: Sequence[float]) -> tuple[dict[str, float], tuple[float, float]]:
     """Section of Nastran's `kind` of plates, and where along its y and z its middle is from the shear centre (0 of a hat).
 
-    Torsion after Saint-Venant, of thin strips; shear centres of thin walls (S. P. Timoshenko, Strength of Materials, part II).
+    Torsion of thin strips (Saint-Venant), of a box after Bredt; shear centres of thin walls (S. P. Timoshenko, Strength of
+    Materials, part II).
 
     Raises
     ------
     ValueError : plates that are no such section.
     """
-    plates: list[tuple[float, float, float, float]]  # of each its middle along y and z, its height and its width
-    y, z = 0.0, 0.0  # of the shear centre
-    if kind == "I":
-        h, below, above, web, bottom, top = sizes
-        y = bottom / 2 + (h - (bottom + top) / 2) * top * above**3 / (top * above**3 + bottom * below**3)
-        plates = [
-            (bottom / 2, 0, bottom, below),
-            (h - top / 2, 0, top, above),
-            ((h + bottom - top) / 2, 0, h - bottom - top, web),
-        ]
+    a, b, s, t, *others = sizes
+    y, z = 0.0, 0.0  # of the shear centre; of every plate its middle along y and z, its height and its width
+    plates = [(b / 2, t / 2, b - 2 * s, t), (b / 2, a - t / 2, b - 2 * s, t), (s / 2, a / 2, s, a), (b - s / 2, a / 2, s, a)]
+    if kind == "BOX":
+        y, z = b / 2, a / 2
+    elif kind == "I":
+        below, top = others
+        y = below / 2 + (a - (below + top) / 2) * top * s**3 / (top * s**3 + below * b**3)
+        plates = [(below / 2, 0, below, b), (a - top / 2, 0, top, s), ((a + below - top) / 2, 0, a - below - top, t)]
+    elif kind == "T":
+        y, plates = b - s / 2, [(b - s / 2, 0, s, a), ((b - s) / 2, 0, b - s, t)]
+    elif kind == "L":
+        y, z, plates = s / 2, t / 2, [(s / 2, a / 2, s, a), ((b + s) / 2, t / 2, b - s, t)]
+    elif kind == "CHAN":
+        y, z = b / 2, s / 2 - 3 * t * (a - s / 2) ** 2 / (6 * t * (a - s / 2) + s * (b - t))
+        plates = [(t / 2, a / 2, t, a), (b - t / 2, a / 2, t, a), (b / 2, s / 2, b - 2 * t, s)]
     else:
-        a, b, s, t = sizes
-        if kind == "T":
-            y, plates = b - s / 2, [(b - s / 2, 0, s, a), ((b - s) / 2, 0, b - s, t)]
-        elif kind == "L":
-            (y, z), plates = (s / 2, t / 2), [(s / 2, a / 2, s, a), ((b + s) / 2, t / 2, b - s, t)]
-        elif kind == "CHAN":
-            y, z = b / 2, s / 2 - 3 * t * (a - s / 2) ** 2 / (6 * t * (a - s / 2) + s * (b - t))
-            plates = [(t / 2, a / 2, t, a), (b - t / 2, a / 2, t, a), (b / 2, s / 2, b - 2 * t, s)]
-        else:
-            plates = [(a - b / 2, 0, b, s)]
-            for side in (-1, 1):
-                plates += [((a - b) / 2, side * (s - b) / 2, a - b, b), (b / 2, side * (s + t) / 2, b, t)]
+        wall, brim = (s - b) / 2, (s + t) / 2
+        plates = [(a - b / 2, 0, b, s), *(((a - b) / 2, at, a - b, b) for at in (-wall, wall))]
+        plates += [(b / 2, at, b, t) for at in (-brim, brim)]
     up, right, height, width = np.array(plates).T
-    if not np.all((height > 0) & (width > 0)):
+    if not np.all((height > 0) & (width > 0)) or (kind == "BOX" and 2 * t >= a):
         raise ValueError(f"{', '.join(f'{one:g}' for one in sizes)} make no {kind}")
     area = height * width
-    A, high, far = float(area.sum()), float(area @ up / area.sum()), float(area @ right / area.sum())
-    up, right = up - high, right - far
-    section = {
-        "area": A,
-        "Iy": float(area @ (up**2 + height**2 / 12)),
-        "Iz": float(area @ (right**2 + width**2 / 12)),
-        "J": float(np.maximum(height, width) @ np.minimum(height, width) ** 3 / 3),
-    }
-    product = float(area @ (up * right))  # its z is Nastran's y, and its y is -z there
-    if abs(product) > ALIKE * section["Iy"]:
-        section["Iyz"] = -product
-    off = [0.0 if kind == "HAT" or abs(one) <= ALIKE * A**0.5 else one for one in (high - y, far - z)]
-    return section, (off[0], off[1])
+    high, far = float(np.average(up, weights=area)), float(np.average(right, weights=area))
+    Iy, Iz = area @ ((up - high) ** 2 + height**2 / 12), area @ ((right - far) ** 2 + width**2 / 12)
+    J = np.maximum(height, width) @ np.minimum(height, width) ** 3 / 3
+    if kind == "BOX":
+        J = 2 * ((a - t) * (b - s)) ** 2 / ((a - t) / s + (b - s) / t)
+    product = area @ ((up - high) * (right - far))  # its z is Nastran's y, and its y is -z there
+    sums = {"area": area.sum(), "Iy": Iy, "Iz": Iz, "J": J} | ({"Iyz": -product} if abs(product) > ALIKE * Iy else {})
+    y, z = (0.0 if kind == "HAT" or abs(one) <= ALIKE * max(a, b) else one for one in (high - y, far - z))
+    return {name: float(one) for name, one in sums.items()}, (y, z)
 
 
 def read(path: Path) -> Deck:

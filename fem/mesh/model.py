@@ -348,20 +348,16 @@ def _numbered(
     blocks: tuple[Block, ...],
     sets: dict[str, Integers],
 ) -> tuple[Elements, dict[str, tuple[int, int]]]:
-    """The elements, and by name the joints of links: two nodes at one place each, the link's own and what its part rides on.
-
-    A link has the number of the node that the file has for it, where no element ends and no other node is.
-    """
+    """The elements, and by name the joints of links: two nodes at one place each, the link's own and what its part rides on."""
     from scipy.sparse import coo_array, eye_array
 
     own, carriers = len(points), list(_carriers(found, tags, blocks, sets))
     points = np.vstack([points, *(np.array([found.links[one.link].at]) for one in carriers)])
-    near, spare = COINCIDENT * float(np.ptp(points, axis=0).max()), ~np.isin(mesh.node_tags, tags)
-    bare, numbers = mesh.points[spare] * found.length, mesh.node_tags[spare]
-    there = [numbers[np.linalg.norm(bare - at, axis=1) <= near] for at in points[own:]]
-    tags = np.append(
-        tags, [of[0] if len(of) == 1 and not one.part else 0 for of, one in zip(there, carriers, strict=True)]
-    ).astype(np.intp)
+    near, lone = COINCIDENT * float(np.ptp(points, axis=0).max()), np.flatnonzero(~np.isin(mesh.node_tags, tags))
+    there = [lone[np.linalg.norm(mesh.points[lone] * found.length - at, axis=1) <= near] for at in points[own:]]
+    # A link has the number of the one node that the file has for it, at which no element is
+    of_links = [mesh.node_tags[of[0]] if len(of) == 1 and not one.part else 0 for of, one in zip(there, carriers, strict=True)]
+    tags = np.append(tags, of_links).astype(np.intp)
     turning = np.ones(len(points), dtype=bool)
     turning[np.concatenate([block.nodes.ravel() for block in blocks])] = False
     for block in blocks:
