@@ -82,26 +82,9 @@ class ModalTable:
 
 
 KEYS = [
-    "format",
-    "kind",
-    "title",
-    "article",
-    "file",
-    "arrays",
-    "frequencies",
-    "damping",
-    "shapes",
-    "sensors",
-    "direction",
-    "places",
-    "frequency_deviation",
-    "damping_deviation",
-    "shapes_deviation",
-    "gain",
-    "before",
-    "modes",
-    "leave_out",
-    "separator",
+    *("format", "kind", "title", "article", "file", "arrays", "frequencies", "damping"),
+    *("shapes", "sensors", "direction", "places", "frequency_deviation", "damping_deviation"),
+    *("shapes_deviation", "gain", "before", "modes", "leave_out", "separator"),
 ]
 """Of a test of this kind; `of_table` says what they mean."""
 

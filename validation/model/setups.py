@@ -71,7 +71,7 @@ def known(name: str, campaign: Campaign, source: str = "--known") -> tuple[Inert
 
 
 def mounted(campaign: Campaign) -> tuple[Pose, tuple[str, ...]]:
-    """Where the article's frame sits, seen from F: as `campaign` states, else on the built-in FMD where there is one, which is said."""
+    """Where the article's frame sits, seen from F: as `campaign` states, else on the built-in FMD if there is one; said."""
     pose = stated(campaign)
     if pose is not None:
         return pose, ()
