@@ -82,26 +82,9 @@ class ModalTable:
 
 
 KEYS = [
-    "format",
-    "kind",
-    "title",
-    "article",
-    "file",
-    "arrays",
-    "frequencies",
-    "damping",
-    "shapes",
-    "sensors",
-    "direction",
-    "places",
-    "frequency_deviation",
-    "damping_deviation",
-    "shapes_deviation",
-    "gain",
-    "before",
-    "modes",
-    "leave_out",
-    "separator",
+    *("format", "kind", "title", "article", "file", "arrays", "frequencies", "damping"),
+    *("shapes", "sensors", "direction", "places", "frequency_deviation", "damping_deviation"),
+    *("shapes_deviation", "gain", "before", "modes", "leave_out", "separator"),
 ]
 """Of a test of this kind; `of_table` says what they mean."""
 
@@ -112,7 +95,8 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     ``frequencies`` is a list of numbers [Hz] or of texts such as ``"4.06 +/- 0.03 Hz"``, or ``{ file, frequency, deviation,
     damping, damping_deviation }`` with the names of columns. ``shapes`` is a list of a shape a mode, or ``{ file, sensor, modes,
     deviations }``: the column with the sensors, and those of the modes, where ``{}`` stands for the number of the mode.
-    ``sensors`` names the points where the file does not; a sensor that is a whole number is a degree of freedom. ``file`` is in
+    ``sensors`` names the points where the file does not, or says what the names in that column are; a sensor that is a whole
+    number is a degree of freedom. ``file`` is in
     place of all of these: a universal file with dataset 55, whose ``places`` are names by number of the node; or the arrays of a
     program (.npz, .mat, .h5, .json) under the names of pyOMA2 or sdypy-EMA, or those that ``arrays`` gives them, for the
     ``sensors`` in their order. ``leave_out`` numbers modes, from 1, that are none of the structure: a machine's harmonic.
@@ -385,7 +369,11 @@ def _shapes(
         if "sensor" in stated:
             at = text.column(str(stated["sensor"]), "shapes.sensor")
             words = [f"dof {int(row[at])}" if row[at].isdecimal() else row[at] for row in text.cells]
-            points = [sensors.point(one, source=text.source, field=one, direction=direction) for one in words]
+            called = {one.name: one for one in points}
+            points = [
+                called.get(Point(place=one).name) or sensors.point(one, source=text.source, field=one, direction=direction)
+                for one in words
+            ]
         shapes = _of_columns(text, stated["modes"], modes, "shapes.modes", source)
         if "deviations" in stated:
             deviation = _of_columns(text, stated["deviations"], modes, "shapes.deviations", source).real

@@ -142,6 +142,16 @@ class Deck:
                 for table in (self.masses, self.links, self.means, self.springs):
                     table.pop(name, None)
                 self.lose(name, "it stands at a node that is not there")
+        bare = there - self.numbers(1, 2, 3) - set(self.carriers) - {n for n, _ in self.means.values()}
+        bare -= {node for _, riders in self.links.values() for node in numbers_of(self.mesh, riders)}
+        for name, (ends, stiffness) in list(self.springs.items()):
+            acts = {str(k + 1) for k in np.flatnonzero(stiffness)}
+            kept = tuple(end for end in ends if not (end in bare and acts <= self.held.get(end, set())))
+            if set(kept) & bare:
+                del self.springs[name]
+                self.lose(name, "it ends at a node that nothing else is at, and that is not held")
+            elif kept != ends:  # the other end is the ground's
+                self.springs[name] = kept, stiffness
         turning = self.turning  # what does not turn need not be carried in rotation
         for name, (_, riders) in self.links.items():
             if set(self.riding[name]) >= (ALL if turning & set(numbers_of(self.mesh, riders)) else TRANSLATIONS):
@@ -232,9 +242,7 @@ class Deck:
 
     def beam_property(self, card: str, f: Sequence[str]) -> None:
         name, section = f"{card} {f[0]}", dict[str, float]()
-        added = 0.0
-        neutral_axis: tuple[float, ...] = ()
-        shear: tuple[float, ...] = ()
+        added, neutral_axis, shear = 0.0, tuple[float, ...](), tuple[float, ...]()
         if card in ("PBAR", "PBEAM"):
             if card == "PBAR":
                 (A, I1, I2, J, added), I12, (K1, K2) = map(real, f[2:7]), real(f[18]), map(real, f[16:18])
@@ -257,10 +265,11 @@ class Deck:
                 section = {"outer_diameter": 2 * d[0], "inner_diameter": 0.0}
             elif kind in ("TUBE", "TUBE2"):
                 section = {"outer_diameter": 2 * d[0], "inner_diameter": 2 * (d[1] if kind == "TUBE" else d[0] - d[1])}
-            elif kind == "BOX":
-                section = box_section(d[0], d[1], d[3], d[2])
-            elif kind == "I" and abs(real(f[10]) - d[1]) + abs(real(f[13]) - real(f[12])) <= ALIKE * d[0]:
-                section = i_section(d[0], d[1], d[3], real(f[12]))
+            elif kind in ("BOX", "I", "T", "L", "CHAN", "HAT"):
+                section, (up, right) = plated(kind, [real(text) for text in f[8 : 8 + _SIZES[kind]]])
+                neutral_axis = (-right, up) if card == "PBEAML" else ()
+                if card == "PBEAML" and kind == "HAT":
+                    self.lose(name, "where a hat has its shear centre, about which it twists")
             else:
                 self.lose(name, f"a section of kind {kind}")
             added = real(f[8 + _SIZES.get(kind, 0)]) if section else 0.0
@@ -297,7 +306,7 @@ class Deck:
         elif o.get("SECTION") == "PIPE":
             section = {"outer_diameter": 2 * sizes[0], "inner_diameter": 2 * (sizes[0] - sizes[1])}
         elif o.get("SECTION") == "BOX" and len(sizes) == 6 and sizes[2] == sizes[4] and sizes[3] == sizes[5]:
-            section = box_section(sizes[1], sizes[0], sizes[3], sizes[2])
+            section = plated("BOX", (sizes[1], sizes[0], *sizes[2:4]))[0]
         else:
             self.lose(name, f"a section of kind {o.get('SECTION', 'none')}")
         self.properties[group] = Property(material=o["MATERIAL"], section=section, z_axis=z_axis)
@@ -373,45 +382,53 @@ class Deck:
         return [*names, *sorted(left)]
 
 
-_SIZES = {"BAR": 2, "ROD": 1, "TUBE": 2, "TUBE2": 2, "BOX": 4, "I": 6}
+_SIZES = {"BAR": 2, "ROD": 1, "TUBE": 2, "TUBE2": 2, **dict.fromkeys(("BOX", "T", "L", "CHAN", "HAT"), 4), "I": 6}
 """How many sizes a section of each kind has, behind which stands a mass per length."""
 
 
-def box_section(width: float, height: float, side: float, top: float) -> dict[str, float]:
-    """Area and second moments of a hollow rectangle, whose sides are `side` thick, top and bottom `top`; torsion after Bredt.
+def plated(kind: str, sizes: Sequence[float]) -> tuple[dict[str, float], tuple[float, float]]:
+    """Section of Nastran's `kind` of plates, and where along its y and z its middle is from the shear centre (0 of a hat).
+
+    Torsion of thin strips (Saint-Venant), of a box after Bredt; shear centres of thin walls (S. P. Timoshenko, Strength of
+    Materials, part II).
 
     Raises
     ------
-    ValueError : walls that leave no hollow.
+    ValueError : plates that are no such section.
     """
-    if not (0 < 2 * side < width and 0 < 2 * top < height):
-        raise ValueError(f"walls of {side:g} and {top:g} leave no hollow in {width:g} by {height:g}")
-    inner_width, inner_height = width - 2 * side, height - 2 * top
-    middle = (width - side) * (height - top)
-    return {
-        "area": width * height - inner_width * inner_height,
-        "Iy": (width * height**3 - inner_width * inner_height**3) / 12,
-        "Iz": (height * width**3 - inner_height * inner_width**3) / 12,
-        "J": 2 * middle**2 / ((width - side) / top + (height - top) / side),
-    }
-
-
-def i_section(height: float, width: float, web: float, flange: float) -> dict[str, float]:
-    """Area and second moments of an I with two equal flanges; torsion after Saint-Venant, of thin strips.
-
-    Raises
-    ------
-    ValueError : flanges that leave no web.
-    """
-    if not (0 < web < width and 0 < 2 * flange < height):
-        raise ValueError(f"flanges of {flange:g} and a web of {web:g} make no I of {height:g} by {width:g}")
-    between = height - 2 * flange
-    return {
-        "area": 2 * width * flange + between * web,
-        "Iy": (width * height**3 - (width - web) * between**3) / 12,
-        "Iz": (2 * flange * width**3 + between * web**3) / 12,
-        "J": (2 * width * flange**3 + (height - flange) * web**3) / 3,
-    }
+    a, b, s, t, *others = sizes
+    y, z = 0.0, 0.0  # of the shear centre; of every plate its middle along y and z, its height and its width
+    plates = [(b / 2, t / 2, b - 2 * s, t), (b / 2, a - t / 2, b - 2 * s, t), (s / 2, a / 2, s, a), (b - s / 2, a / 2, s, a)]
+    if kind == "BOX":
+        y, z = b / 2, a / 2
+    elif kind == "I":
+        below, top = others
+        y = below / 2 + (a - (below + top) / 2) * top * s**3 / (top * s**3 + below * b**3)
+        plates = [(below / 2, 0, below, b), (a - top / 2, 0, top, s), ((a + below - top) / 2, 0, a - below - top, t)]
+    elif kind == "T":
+        y, plates = b - s / 2, [(b - s / 2, 0, s, a), ((b - s) / 2, 0, b - s, t)]
+    elif kind == "L":
+        y, z, plates = s / 2, t / 2, [(s / 2, a / 2, s, a), ((b + s) / 2, t / 2, b - s, t)]
+    elif kind == "CHAN":
+        y, z = b / 2, s / 2 - 3 * t * (a - s / 2) ** 2 / (6 * t * (a - s / 2) + s * (b - t))
+        plates = [(t / 2, a / 2, t, a), (b - t / 2, a / 2, t, a), (b / 2, s / 2, b - 2 * t, s)]
+    else:
+        wall, brim = (s - b) / 2, (s + t) / 2
+        plates = [(a - b / 2, 0, b, s), *(((a - b) / 2, at, a - b, b) for at in (-wall, wall))]
+        plates += [(b / 2, at, b, t) for at in (-brim, brim)]
+    up, right, height, width = np.array(plates).T
+    if not np.all((height > 0) & (width > 0)) or (kind == "BOX" and 2 * t >= a):
+        raise ValueError(f"{', '.join(f'{one:g}' for one in sizes)} make no {kind}")
+    area = height * width
+    high, far = float(np.average(up, weights=area)), float(np.average(right, weights=area))
+    Iy, Iz = area @ ((up - high) ** 2 + height**2 / 12), area @ ((right - far) ** 2 + width**2 / 12)
+    J = np.maximum(height, width) @ np.minimum(height, width) ** 3 / 3
+    if kind == "BOX":
+        J = 2 * ((a - t) * (b - s)) ** 2 / ((a - t) / s + (b - s) / t)
+    product = area @ ((up - high) * (right - far))  # its z is Nastran's y, and its y is -z there
+    sums = {"area": area.sum(), "Iy": Iy, "Iz": Iz, "J": J} | ({"Iyz": -product} if abs(product) > ALIKE * Iy else {})
+    y, z = (0.0 if kind == "HAT" or abs(one) <= ALIKE * max(a, b) else one for one in (high - y, far - z))
+    return {name: float(one) for name, one in sums.items()}, (y, z)
 
 
 def read(path: Path) -> Deck:

@@ -104,7 +104,7 @@ def structure(found: described.MeshDescription, mesh: files.MeshFile) -> Structu
             "units", problem, f"In {' or '.join(fitting)} it would be of ordinary size" if fitting else "Check the mesh"
         )
     _require_sound(found, points, blocks)
-    elements, linked = _numbered(found, mesh.source, points, tags, blocks, sets)
+    elements, linked = _numbered(found, mesh, points, tags, blocks, sets)
     stiffness, mass, sections = assembled(elements)
     made = _Made(found=found, elements=elements, sets=sets)
     supports, joints = list[str](), list[str]()
@@ -269,7 +269,9 @@ def _nodes(
     found: described.MeshDescription, mesh: files.MeshFile, blocks: tuple[Block, ...]
 ) -> tuple[tuple[Block, ...], Array, Integers, Sets, Mapping[str, tuple[Integers, Integers]]]:
     """Blocks with nodes numbered anew, points [m], their numbers in the file, groups of nodes, and both sides of every joint."""
-    used = np.unique(np.concatenate([block.nodes.ravel() for block in blocks]))
+    riders = [one for link in found.riding.values() for one in link.nodes if isinstance(one, int)]  # also at no element
+    ridden = np.flatnonzero(np.isin(mesh.node_tags, riders) & (mesh.node_tags > 0))
+    used = np.unique(np.concatenate([ridden, *(block.nodes.ravel() for block in blocks)]))
     number = np.full(len(mesh.points), -1, dtype=np.intp)
     number[used] = np.arange(len(used))
     blocks = tuple(replace(block, nodes=number[block.nodes]) for block in blocks)
@@ -340,7 +342,7 @@ def _require_sound(found: described.MeshDescription, points: Array, blocks: Sequ
 
 def _numbered(
     found: described.MeshDescription,
-    source: str,
+    mesh: files.MeshFile,
     points: Array,
     tags: Integers,
     blocks: tuple[Block, ...],
@@ -351,9 +353,13 @@ def _numbered(
 
     own, carriers = len(points), list(_carriers(found, tags, blocks, sets))
     points = np.vstack([points, *(np.array([found.links[one.link].at]) for one in carriers)])
-    tags = np.append(tags, np.zeros(len(carriers), dtype=np.intp))
-    turning = np.zeros(len(points), dtype=bool)
-    turning[own:] = True
+    near, lone = COINCIDENT * float(np.ptp(points, axis=0).max()), np.flatnonzero(~np.isin(mesh.node_tags, tags))
+    there = [lone[np.linalg.norm(mesh.points[lone] * found.length - at, axis=1) <= near] for at in points[own:]]
+    # A link has the number of the one node that the file has for it, at which no element is
+    of_links = [mesh.node_tags[of[0]] if len(of) == 1 and not one.part else 0 for of, one in zip(there, carriers, strict=True)]
+    tags = np.append(tags, of_links).astype(np.intp)
+    turning = np.ones(len(points), dtype=bool)
+    turning[np.concatenate([block.nodes.ravel() for block in blocks])] = False
     for block in blocks:
         if block.turning:
             turning[block.nodes] = True
@@ -416,7 +422,7 @@ def _numbered(
         if len(turned.rows):
             carried = carried + turned.matrix(size) @ carried
     made = Elements(
-        source=source,
+        source=mesh.source,
         node_tags=tags,
         points=points,
         blocks=blocks,
@@ -630,6 +636,9 @@ class _Made:
         ends = {name: np.unique(node[np.unique(spring.indices[spring.data != 0])]) for name, spring in springs.items()}
         together = [block.nodes for block in elements.blocks] + [one[None] for one in ends.values() if len(one)]
         together += [np.array([pair]) for pair in linked]
+        for name, one in found.springs.items():  # an end that is held moves nothing, and holds the other
+            both = [at for at in one.at if isinstance(at, int) or at in self.sets]
+            together += [_chosen(found, self.sets, elements.node_tags, both, name)[None]] if both else []
         for name, link in found.riding.items():
             together.append(np.append(self.sets[name], _chosen(found, self.sets, elements.node_tags, link.nodes, name))[None])
         pairs = np.vstack([np.column_stack([np.repeat(own[:, 0], own.shape[1]), own.ravel()]) for own in together])

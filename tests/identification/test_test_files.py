@@ -312,6 +312,22 @@ def test_a_test_before_that_is_none_of_the_same_is_refused(
         test_file.read(tmp_path / "t.toml", table)
 
 
+def test_names_of_a_column_are_those_of_the_sensors_stated_beside_it(tmp_path: Path) -> None:
+    """They were taken as places, each along `direction`."""
+    (tmp_path / "shapes.csv").write_text("sensor,mode1\nA 2,0.5\ntip:z,0.2\nA1,1.0\n")
+    (tmp_path / "table.toml").write_text(
+        'format = 1\nkind = "modal-table"\narticle = "tower"\ndirection = "x"\nfrequencies = ["4.8 +/- 0.1 Hz"]\n'
+        'sensors = [{ name = "A1", place = "top", direction = [0.8, 0.6, 0] },'
+        '{ name = "A 2", place = "top", direction = "z" }]\n'
+        'shapes = { file = "shapes.csv", sensor = "sensor", modes = "mode{}" }\n'
+    )
+    table = test_file.read(tmp_path / "table.toml")
+    assert isinstance(table, ModalTable)
+    assert [one.place for one in table.sensors] == ["top", "tip", "top"]
+    np.testing.assert_allclose([one.direction for one in table.sensors], [[0, 0, 1], [0, 0, 1], [0.8, 0.6, 0]])
+    np.testing.assert_allclose(table.shapes, [[0.5, 0.2, 1.0]])
+
+
 def test_a_table_that_is_typed_has_deviations_or_says_that_the_usual_are_taken(tmp_path: Path) -> None:
     table = {
         "kind": "modal-table",

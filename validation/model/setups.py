@@ -71,10 +71,13 @@ def known(name: str, campaign: Campaign, source: str = "--known") -> tuple[Inert
 
 
 def mounted(campaign: Campaign) -> tuple[Pose, tuple[str, ...]]:
-    """Where the article's frame sits, seen from F: as `campaign` states, else on the built-in FMD, which is said."""
+    """Where the article's frame sits, seen from F: as `campaign` states, else on the built-in FMD if there is one; said."""
     pose = stated(campaign)
     if pose is not None:
         return pose, ()
+    if not campaign.table.select(group="fmd"):
+        words = f"{campaign.source}: [mounting] is missing; without load cells the article has the origin of the channels' places"
+        return Pose(position=-campaign.table.origin), (words,)
     seat = built_in(FMD).seat or Pose()
     words = (
         f"{campaign.source}: [mounting] is missing; the known article is taken to stand {1e3 * seat.position[2]:g} mm above F, "

@@ -404,6 +404,19 @@ def test_shells_and_beams_have_their_sections(tmp_path: Path) -> None:
         ("PBARL,2,1,,BOX,,,,,\n,60.,100.,8.,5.,7.85-6", "bdf", lambda y, z: (abs(y) > 25) | (abs(z) > 42)),
         ("PBARL,2,1,,I,,,,,\n,100.,60.,60.,5.,8.,8.,7.85-6", "bdf", lambda y, z: (abs(y) < 2.5) | (abs(z) > 42)),
         (
+            "PBARL,2,1,,I,,,,,\n,100.,40.,60.,5.,8.,6.,7.85-6",
+            "bdf",
+            lambda y, z: (abs(y) < 2.5) | (z > 44) | ((z < -42) & (abs(y) < 20)),
+        ),
+        ("PBARL,2,1,,T,,,,,\n,60.,100.,8.,5.,7.85-6", "bdf", lambda y, z: (z > 42) | (abs(y) < 2.5)),
+        ("PBARL,2,1,,L,,,,,\n,60.,100.,8.,5.,7.85-6", "bdf", lambda y, z: (z < -42) | (y > 25)),  # its y is -z of Nastran
+        ("PBARL,2,1,,CHAN,,,,,\n,60.,100.,5.,8.,7.85-6", "bdf", lambda y, z: (abs(z) > 42) | (y > 25)),
+        (
+            "PBARL,2,1,,HAT,,,,,\n,100.,5.,40.,10.,7.85-6",
+            "bdf",
+            lambda y, z: np.where(abs(y) < 20, (z > 45) | (abs(y) > 15), z < -45),
+        ),
+        (
             "*BEAM SECTION, SECTION=BOX, ELSET=b, MATERIAL=m\n100., 60., 8., 5., 8., 5.\n0., 0., 1.",
             "inp",
             lambda y, z: (abs(y) > 25) | (abs(z) > 42),
@@ -425,12 +438,59 @@ def test_hollow_and_open_sections(deck_text: str, ending: str, walls: Callable[[
     assert part.section is not None
     y, z = np.meshgrid(np.arange(-29.875, 30, 0.25), np.arange(-49.875, 50, 0.25))
     there = walls(y, z)
+    y, z = (one - np.sum(there * one) / np.sum(there) for one in (y, z))
     wanted = [float(np.sum(there * one)) / 16 for one in (np.ones_like(y), z**2, y**2)]
     np.testing.assert_allclose(np.array(part.section.sizes[:3]) * [1e6, 1e12, 1e12], wanted, rtol=1e-4)
+    assert part.section.product * 1e12 == pytest.approx(float(np.sum(there * y * z)) / 16, abs=1e-4 * wanted[2])
     torsion, polar = part.section.sizes[3] * 1e12, wanted[1] + wanted[2]
     assert (0.5 if "BOX" in deck_text else 0.005) * polar < torsion < (1.0 if "BOX" in deck_text else 0.05) * polar
     assert part.material.density == pytest.approx(7850 + (7.85e-6 * 1e12 / wanted[0] if ending == "bdf" else 0))
     assert (part.z_axis is None) == (ending == "bdf")  # of Nastran the elements say it
+
+
+@pytest.mark.parametrize(
+    ("kind", "sizes", "beside"),
+    [  # of mid-lines by hand: a channel's is 24.64 mm behind its web, and its middle 19.13 mm before it
+        ("CHAN", (60.0, 100.0, 5.0, 8.0), (-43.77, 0.0)),
+        ("T", (60.0, 100.0, 8.0, 5.0), (0.0, -24.47)),
+        ("L", (60.0, 60.0, 6.0, 6.0), (-14.21, 14.21)),
+        ("I", (100.0, 60.0, 60.0, 5.0, 8.0, 8.0), (0.0, 0.0)),
+    ],
+)
+def test_a_beam_of_plates_twists_about_its_shear_centre(
+    kind: str, sizes: tuple[float, ...], beside: tuple[float, float], tmp_path: Path
+) -> None:
+    bdf = ["BEGIN BULK", "GRID,1,,0.,0.,0.", "GRID,2,,900.,0.,0.", "MAT1,1,210000.,,.3,7.85-9", "CBEAM,1,2,1,2,0.,0.,1."]
+    (tmp_path / "one.bdf").write_text("\n".join([*bdf, f"PBEAML,2,1,,{kind}\n,{','.join(map(str, sizes))}", "ENDDATA", ""]))
+    text, lost = deck.described(tmp_path / "one.bdf", "mm-t-N-s")
+    (tmp_path / "one.toml").write_text(text)
+    (part,) = description.read(tmp_path / "one.toml").parts.values()
+    assert lost == ()
+    assert part.section is not None
+    np.testing.assert_allclose(1e3 * np.array(part.section.neutral_axis), beside, atol=0.01)
+
+
+def test_a_spring_to_a_node_that_is_held_and_carries_nothing_is_to_the_ground(tmp_path: Path) -> None:
+    """It was between two places, one of which no element has, of a structure that was said to be free."""
+    ground = ["GRID,77,,0.,0.,0.", "PBUSH,9,K,5.,5.,5.", "CBUSH,9,9,77,1,,,,0", "SPC1,1,123,77"]
+    (tmp_path / "one.bdf").write_text("\n".join([*PLATE, *ground, "ENDDATA", ""]))
+    text, lost = deck.described(tmp_path / "one.bdf", "mm-t-N-s")
+    (tmp_path / "one.toml").write_text(text)
+    found = description.read(tmp_path / "one.toml")
+    assert lost == ()
+    assert [one.at for one in found.springs.values()] == [(1,)]
+    assert found.support == "ground"
+
+
+def test_the_node_of_a_rigid_link_is_a_place_by_its_number(tmp_path: Path) -> None:
+    """A sensor at the node of an RBE2 was refused."""
+    (tmp_path / "one.bdf").write_text(nastran())
+    (tmp_path / "one.toml").write_text(deck.described(tmp_path / "one.bdf", "mm-t-N-s")[0])
+    made = model.load(tmp_path / "one.toml")[1]
+    assert made.elements is not None
+    at = made.elements.numbered(HUB)
+    assert at is not None
+    assert abs(at - made.places["RBE2 99"]).max() == 0
 
 
 @pytest.mark.parametrize(
@@ -450,7 +510,9 @@ def test_hollow_and_open_sections(deck_text: str, ending: str, walls: Callable[[
         ("PCOMP,5,,,,,,,MEM\n,1,1.,0.", "PCOMP 5: its layers are to be taken as MEM"),
         ("PCOMP,5\n,7,1.,0.\nCTRIA3,7,5,1,2,5", "part 5: no material 7 that is known here"),
         ("CELAS2,9,5.,1,1,3,2", "CELAS2 9: it joins two different motions"),
-        ("PBARL,2,1,,T,,,,,1.,1.\nCBAR,2,2,1,5,1.,0.,0.", "PBARL 2: a section of kind T"),
+        ("PBARL,2,1,,HEXA,,,,,1.,1.,1.\nCBAR,2,2,1,5,1.,0.,0.", "PBARL 2: a section of kind HEXA"),
+        ("PBEAML,2,1,,HAT,,,,,\n,90.,5.,40.,9.\nCBEAM,2,2,1,5,1.,0.,0.", "PBEAML 2: where a hat has its shear centre"),
+        ("GRID,77,,0.,0.,0.\nPBUSH,9,K,5.,5.,5.\nCBUSH,9,9,1,77,,,,0", "CBUSH 9: it ends at a node that nothing else is at"),
         ("PBEAM,2,1,100.,900.,400.,,800.\n\n,YESA,1.,50.\nCBEAM,2,2,1,5,1.,0.,0.", "PBEAM 2: a taper"),
         ("CTRIA3,7,1,1,2,5,,,,,\n,,,2.,3.,2.", "property 1: some of its shells have thicknesses of their own"),
     ],

@@ -178,3 +178,18 @@ def test_a_skin_beside_its_nodes_stiffens_a_bar_and_a_bar_a_skin(tmp_path: Path)
         assert min(abs(each / wanted - 1)) < 5e-3  # rotary inertia, and the plate narrows as it is pulled
     upright = [each[np.argmin(abs(each / wanted - 1))] for each in found]
     assert upright[0] == pytest.approx(upright[1], rel=1e-3)
+
+
+def test_springs_may_end_on_a_fixture_that_is_nothing_but_a_rigid_link(tmp_path: Path) -> None:
+    """Nodes of an RBE2 at which no element is: the deck came over without a word, and its mesh was refused."""
+    on_bush = [
+        *cantilever("CBAR,{n},1,{a},{b},0.,0.,1."),
+        section(1, WEB),
+        "GRID,201,,0.,0.,0.",
+        "PBUSH,9,K,5.+3,5.+3,5.+3,2.+6,2.+6,2.+6",
+    ]
+    on_bush = [one for one in on_bush if not one.startswith("SPC1")] + ["CBUSH,9,9,1,201,,,,0"]
+    fixture = ["GRID,200,,-90.,50.,0.", "RBE2,8,200,123456,201", "SPC1,1,123456,200"]
+    alone, carried = (loaded([*on_bush, *one], tmp_path) for one in (["SPC1,1,123456,201"], fixture))
+    np.testing.assert_allclose(frequencies(carried), frequencies(alone), rtol=1e-9)
+    assert carried.joints == ("CBUSH 9",)

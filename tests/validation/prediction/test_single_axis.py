@@ -23,6 +23,7 @@ from validation.estimation.likelihood import floor_of, level_of
 from validation.estimation.problem import FITTED, Problem
 from validation.history.verdict import body_of
 from validation.model.model import Model, difference
+from validation.model.setups import mounted
 from validation.prediction.series import SHARE, UNMEASURED, predictions, with_unmeasured
 from validation.study import Data, Options, Study
 
@@ -67,6 +68,15 @@ def lab(
 @pytest.fixture
 def model() -> Model:
     return Model(source="lab.toml", title="Mast on a shaker", article="fmd+clumod-1")
+
+
+def test_without_load_cells_and_without_a_mounting_an_article_has_the_origin_of_its_channels(simulated, model) -> None:
+    """It stood 45 mm above it, on an FMD that was not there, and every pick-up on it, then beside it, was left out."""
+    made = simulated()
+    table = replace(made.table, origin=np.array([0.2, 0.0, 0.1]))
+    pose, (said,) = mounted(replace(made, table=table, mounting=None))
+    assert_allclose(pose.position, [-0.2, 0.0, -0.1])
+    assert "FMD" not in said
 
 
 def test_a_virtual_test_has_one_pilot_the_article_and_the_largest_that_its_table_does_besides(simulated, refused, capsys):
