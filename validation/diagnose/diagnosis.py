@@ -184,6 +184,7 @@ class FoundNode:
     distance : [m] to that
     named_place, named_evidence : the place with a name that would explain most, and how much [nats]; empty where there is none
     looked : [nats] that looking everywhere costs
+    fit : of all tolerances beside it; None of one that was not fitted
     """
 
     evidence: float = entry("evidence_nats", unit="nats", null=inf)
@@ -195,6 +196,7 @@ class FoundNode:
     named_place: str = entry(null="", default="")
     named_evidence: float = entry("named_evidence_nats", unit="nats", null=inf, default=0.0)
     looked: float = unwritten(default=0.0)
+    fit: Fit | None = unwritten(default=None)
 
     @property
     def kind(self) -> str:
@@ -604,6 +606,7 @@ class Screened:
     parameter : that the straight line is along, which says what its offset means; None of resonators and of periods
     usual : of a resonator what the data say of its mass at a frequency and damping at which they say neither much nor little
     any_size : the same of a size that no straight line follows far: of a loss, and of a spring
+    begin : of what was fitted beside other places of a mesh, where that fit ended
     """
 
     added: Added
@@ -613,6 +616,7 @@ class Screened:
     parameter: Parameter | None = None
     usual: ScoreTest | None = None
     any_size: Smallest | None = None
+    begin: Fit | None = None
 
     @property
     def id(self) -> str:

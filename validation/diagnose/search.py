@@ -778,8 +778,9 @@ def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress,
     here, known = goodness_of_fit(at.fit, at.problem), {one.named.id: one for one in fitted}
     found = list(screen(data, at, menu))
     for k, each in enumerate(found):  # what was fitted promises no less than that fit brought, at its size
-        if (node := known.get(each.id)) is not None and each.evidence < (brought := node.evidence + node.looked):
-            found[k] = replace(each, added=replace(each.added, named=node.named), evidence=brought)
+        if (node := known.get(each.id)) is not None:
+            brought = max(each.evidence, node.evidence + node.looked)
+            found[k] = replace(each, added=replace(each.added, named=node.named), evidence=brought, begin=node.fit)
     found.sort(key=lambda each: -each.evidence)
     fits = _rough_fits if here.misfit > MISFIT else _local_fits
     tried, gone = _fits_in_band(data, found, lambda some: fits(data, at, here, some, progress))
@@ -818,7 +819,7 @@ def _local_fits(
         if here.null and one.evidence < evidence_threshold(one.added.named.family) - NULL_MARGIN:
             continue
         progress(f"trying {one.id}", len(tried) / FITS_OF_A_STEP)
-        tried.append(candidate_fit(at, fit_with(data, at, one.added, worth=worth(at, tried))))
+        tried.append(candidate_fit(at, fit_with(data, at, one.added, begin=one.begin, worth=worth(at, tried))))
     return tried
 
 
@@ -834,8 +835,8 @@ def _rough_fits(
     for done, one in enumerate(promising):
         progress(f"trying {one.id} from afar", done / (len(promising) + FEW))
         problem = data.problem((*at.effects, one.added)).sparser(STRIDE)
-        starts = [_start(data, one.added)]
-        if starts[0] and not is_resonator(one.added.named):
+        starts = [_start(data, one.added) if one.begin is None else one.begin.by_name]
+        if one.begin is None and starts[0] and not is_resonator(one.added.named):
             starts.append({name: FROM_AFAR * x for name, x in starts[0].items()})
         enough = rough[FEW - 1][1].cost + SCREENING_MARGIN if len(rough) >= FEW else inf
         fits = [child(problem, FITTED, at.fit, begin, from_afar=True, worth=enough) for begin in starts]

@@ -15,7 +15,7 @@ from geometry.errors import CheckFailed
 from validation.cli import main
 from validation.diagnose import diagnose, search
 from validation.diagnose.candidates import candidates, sizes
-from validation.diagnose.diagnosis import Candidate, Screened
+from validation.diagnose.diagnosis import Candidate, FoundNode, Screened
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, STRUCTURE, evidence_threshold
 from validation.estimation.fit import FLOOR, unfitted
@@ -264,6 +264,30 @@ def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_ask
         assert len(search._local_fits(nobody, HERE, stands(null=True), near, lambda what, share: None)) == count
     both = search._local_fits(nobody, HERE, stands(null=False), found, lambda what, share: None)
     assert [one.id for one in both] == ["structural-damping:mast", "force-gain:fmd-z2"]
+
+
+def test_what_was_fitted_beside_other_places_of_a_mesh_is_fitted_from_where_that_ended(monkeypatch):
+    """80 g at the mast of a satellite had been found, were fitted again from nothing, and were given up half-way."""
+    begun = {}
+
+    def fitted_from(bench, at, added, *, begin=None, worth=0.0):
+        begun[added.named.id] = (begin, added.named.value)
+        return added.named.id
+
+    monkeypatch.setattr(search, "fit_with", fitted_from)
+    monkeypatch.setattr(search, "candidate_fit", lambda at, id: ended(f"{id}=0.1", 1.0))
+    monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: SimpleNamespace(null=False, misfit=1.0))
+    monkeypatch.setattr(search, "screen", lambda bench, at, menu: screened(*MASSES[:2], evidence=30.0))
+    monkeypatch.setattr(search, "in_band", lambda bench, one: True)
+    monkeypatch.setattr(search, "_restarted_where_stuck", lambda bench, at, here, tried, found, progress: tried)
+    monkeypatch.setattr(search, "_rivals", lambda tried, menu, found, again: [])
+    nobody: Any = None
+    one, there = parse(MASSES[0]), fitted()
+    node = FoundNode(
+        evidence=10.0, named=replace(one, values={"": 0.3}), article="mast", position=(0.0, 0.0, 0.9), looked=4.0, fit=there
+    )
+    search._step(nobody, HERE, [], lambda what, share: None, [node])
+    assert begun == {one.id: (there, 0.3), parse(MASSES[1]).id: (None, parse(MASSES[1]).value)}
 
 
 @pytest.mark.parametrize(("straight", "again", "kept"), [(60.0, 90.0, 60.0), (10.0, 90.0, 90.0), (10.0, 5.0, 10.0)])
