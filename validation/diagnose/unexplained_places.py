@@ -323,7 +323,8 @@ def crosstalk(of: fit.Swallowing, offsets: Offsets) -> Iterator[tuple[tuple[Susp
     read = [k for k, name in enumerate(names) if is_read(name)]
     others = tuple(SuspectedPlace(kind=CROSSTALK, channels=(names[k],)) for k in read)
     heard = tuple(own[k] for k in read)
-    sources = [Readings(course=fit.CROSSTALK_CONSTANT, places=others, dimensions=heard, values=predicted(of)[..., read])]
+    between = Readings(course=fit.CROSSTALK_CONSTANT, places=others, dimensions=heard, values=predicted(of)[..., read])
+    sources = [between] if len(read) > 1 else []  # one alone hears no other
     if isinstance(prediction, SeriesPrediction):
         u, H = at.inputs, prediction.dynamic_mass(offsets, np.searchsorted(prediction.measured.frequency, at.frequency))
         motions = tuple(SuspectedPlace(kind=CROSSTALK, motion=one) for one in MOTIONS)

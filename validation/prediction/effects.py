@@ -447,8 +447,8 @@ class _Now:
     def _stiffer(self, part: str, K: Array, mass: Array | None = None) -> Tangent:
         """The tangent of a share of `part` in the stiffness that grows by `K` (k, k), and of one in the mass by `mass`."""
         E, DE = self.E, self.D * self.E
-        stiffness, whole = E[:, None] * K * E, np.diag(self.matrices.stiffness)
-        grows = np.divide(np.diag(stiffness), 4 * whole, out=np.zeros_like(whole), where=whole > 0)
+        stiffness, whole, drawn = E[:, None] * K * E, np.diag(self.matrices.stiffness), np.diag(self.of.nominal.stiffness)
+        grows = np.divide(np.diag(stiffness), 4 * whole, out=np.zeros_like(whole), where=(whole > 0) & (drawn > 0))
         changes = {"stiffness": stiffness}
         if (eta := self.losses.get(part, 0.0)) > 0:
             changes["structural"] = (eta * DE)[:, None] * K * DE

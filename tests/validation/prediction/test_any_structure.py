@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
 from benchmarks import bench_scale
 from fem import gravity
+from fem.damping import Damping
 from fem.factorisers import factorise
 from fem.modes import fixed_base
 from fem.structure import Structure
@@ -22,10 +24,10 @@ from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, Named, acts, there
 from validation.effects.effect import Vocabulary
 from validation.effects.stages import Matrices, Shares, with_resonators
-from validation.model.model import Added
-from validation.prediction import effects
+from validation.model.model import Added, StructureTolerances
+from validation.prediction import dynamic_mass, effects
 from validation.prediction import structure as prediction_structure
-from validation.prediction.tangents import FIELDS, full
+from validation.prediction.tangents import FIELDS, LOSS_COUPLING, Tangent, full
 
 # The frame, assembled directly: four posts and rings of beams by Euler and Bernoulli, a rail with a bolted end, springs below.
 
@@ -572,3 +574,32 @@ def test_what_stands_on_the_ground_is_answered_with_the_factors_that_gave_its_mo
     monkeypatch.setattr(prediction_structure, "factorise", never)
     whole = frame("ground")
     assert reduced(whole).mass.shape == standing("ground")[1].mass.shape
+
+
+@pytest.mark.parametrize("told", ["by mode", "by a matrix"])
+def test_modes_of_what_floats_turn_with_its_rigid_motions_and_lose_so(told):
+    """Held still in them, the modes were others, and what was taken away raised what was left; a matrix ended in NaN."""
+    whole = frame("free")
+    damping = Damping(ratio=0.01) if told == "by mode" else Damping(viscous=2.0 * whole.mass)
+    floats = prediction_structure.by_itself(whole, 60.0, damping=damping)
+    known = StructureTolerances(loss_coupling=0.5)
+    of = effects.nuisances("frame", floats.matrices, floats.frequency, {}, known, reduced=floats)
+    loaded = (Added(named=Named(family="point-mass", targets=("tip",), values={"": 200.0}), fixed=False),)
+    tip, at = of.nominal.places["tip"], {LOSS_COUPLING: 0.6, "modulus:rail": 0.1, "frequency:frame:1": 0.01}
+
+    def answer(offsets: dict[str, float]) -> tuple[Matrices, dynamic_mass.CondensedTransfer, dict[str, Tangent]]:
+        found, tangents = dynamic_mass.structure(of, offsets, loaded, derivatives=True)
+        return found, dynamic_mass.accelerance(found, np.array([5.0, 11.5, 28.0]), tip, tip), tangents
+
+    (before, *_), (after, *_) = (answer({LOSS_COUPLING: share}) for share in (0.0, 1.0))
+    squares, shapes = eigh(before.stiffness, before.mass)
+    own = slice(6, np.searchsorted(squares, (2 * np.pi * 60.0) ** 2))
+    f, C, left = np.sqrt(squares[own]), *((shapes.T @ one.viscous @ shapes)[own, own] for one in (before, after))
+    beyond = np.abs(f - f[:, None]) > 0.3 * np.maximum(f, f[:, None])
+    assert np.abs(left[beyond]).max() < 0.2 * np.abs(C[beyond]).max()
+    assert_allclose(np.diag(left), np.diag(C), rtol=0.02)
+    _, here, tangents = answer(at)
+    slopes, step = dynamic_mass.transfer_tangents(here, tangents), 1e-5
+    for key in at:
+        above, below = (answer({**at, key: at[key] + side * step})[1].matrix for side in (1, -1))
+        assert_allclose(slopes[key], (above - below) / (2 * step), atol=1e-4 * np.abs(slopes[key]).max(), err_msg=key)

@@ -12,10 +12,14 @@ from geometry.frames import Array
 from geometry.sensors import Point
 from identification.response_functions import ResponseFunctions
 from identification.spectra import noise
+from validation.diagnose.diagnosis import Candidate
+from validation.diagnose.unexplained import described
 from validation.effects.catalogue import Named
 from validation.effects.stages import Matrices
 from validation.estimation.evaluate import evaluate
-from validation.estimation.problem import Problem
+from validation.estimation.fit import FLOOR, ended, fitted
+from validation.estimation.likelihood import cost_of
+from validation.estimation.problem import FITTED, Problem
 from validation.model.model import Added, StructureTolerances
 from validation.prediction import effects as prediction_effects
 from validation.prediction import response_functions
@@ -274,3 +278,16 @@ def test_chi_squared_of_noise_alone_is_one_whatever_lines_tell_the_noise(spacing
     values = (rng.standard_normal((len(f), 4)) + 1j * rng.standard_normal((len(f), 4))) / np.sqrt(2)
     found = measured("test", "chain", f, {"a": values}, ("a", "b", "c", "d"))
     assert_allclose(np.mean(np.abs(found.values / found.noise) ** 2), 1.0, atol=0.025)
+
+
+def test_one_channel_alone_hears_no_other_and_what_is_left_of_it_is_told() -> None:
+    """It ended in "cannot reshape array of size 0"."""
+    rng = np.random.default_rng(2)
+    jagged = chain()[:, :, :1] * (1 + 0.05 * rng.standard_normal((len(NAMES), len(F), 1)))
+    (test,) = response_functions.of(
+        model(chain()).structure, replace(functions(chain()), values=jagged, responses=(Point(place="a"),))
+    )
+    problem = Problem((test,))
+    cost = cost_of(problem, problem.free(FITTED), FLOOR)
+    found = described(Candidate(effects=(), fit=fitted(ended(cost, {}, converged=False)), problem=problem))
+    assert found.channels == ("a",)
