@@ -191,13 +191,12 @@ def with_losses_by_mode(
 ) -> tuple[Matrices, dict[str, Tangent]]:
     """`matrices` without a `share` of what the losses that are `told` by mode (n, n) couple the modes by as they stand now, their
     `tangents` behind it, and that by the share; `moved` (n, n) are the derivatives of `told` by parameter."""
-    found, own = dict(tangents), np.flatnonzero((np.diag(told) != 0) | matrices.rigid[:, : len(told)].any(axis=0))
+    found, own = dict(tangents), np.flatnonzero(np.diag(told) + (not matrices.base) * matrices.rigid[:, : len(told)].any(axis=0))
     at, size = np.ix_(own, own), len(matrices.mass)
     heavy, axes = np.linalg.eigh(matrices.mass[at])
     root = axes / np.sqrt(np.maximum(heavy, SOFTEST * heavy[-1]))
     squares, turned = np.linalg.eigh(root.T @ matrices.stiffness[at] @ root)
-    # What floats leaves rounding, of either sign
-    shapes, squares = root @ turned, np.maximum(squares, len(own) * np.finfo(np.float64).eps * squares[-1])
+    shapes, squares = root @ turned, np.maximum(squares, len(own) * np.finfo(np.float64).eps * squares[-1])  # what floats: ±0
     back, lost = np.linalg.inv(shapes), shapes.T @ told[at] @ shapes
     gap, both = squares - squares[:, None], np.maximum(squares + squares[:, None], LIGHTEST)
     apart = gap / both
