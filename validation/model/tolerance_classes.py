@@ -259,7 +259,8 @@ ROWS = (
         name="loss_coupling",
         classes=(0.0, 0.5, 0.5),
         largest=5.0,
-        what="share of what the losses of the parts couple the modes by that is not there",
+        what="share of what the losses of the parts couple the modes by that is not there, and of what losses told by mode "
+        "couple the modes by that an effect has turned",
         source="damping stated by mode, as tests do, couples none (Caughey and O'Kelly 1965), loss factors of parts as much as "
         "their stiffness does: from 0 to 1",
     ),

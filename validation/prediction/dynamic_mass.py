@@ -765,10 +765,11 @@ def structure(
         matrices, tangents = with_damping_law(
             matrices, tangents, of.nominal, offsets, derivatives=every, laws=laws, coupling=structural
         )
-    if LOSS_COUPLING in laws and (told := drawn.viscous - viscous).any():
+    # What a user's own matrix has beside its diagonal is told, too, and stays
+    if LOSS_COUPLING in laws and (told := np.diag(np.diag(drawn.viscous - viscous))).any():
         share, size = offsets.get(LOSS_COUPLING, 0.0), len(told)
         own = {name: one for name, one in changes.items() if share and one.viscous.any() and not name.startswith("coupling:")}
-        moved = {name: full(one, "viscous", size) for name, one in own.items()}
+        moved = {name: np.diag(np.diag(full(one, "viscous", size))) for name, one in own.items()}
         matrices, tangents = with_losses_by_mode(matrices, tangents, told, moved, share, derivatives=every)
     return matrices, {name: change for name, change in tangents.items() if is_wanted(name, derivatives)}
 
