@@ -557,8 +557,7 @@ def without_a_name(
             place = position(here.target) or one.position
             gain = most - base.fit.log_evidence - one.looked
             if kind not in found or gain > found[kind].evidence:
-                kept = replace(one, named=fitted, position=place, evidence=gain, fit=there.fit)
-                found[kind], stood[kind] = kept, there
+                found[kind], stood[kind] = replace(one, named=fitted, position=place, evidence=gain, fit=there.fit), there
             if kind == RESONATOR or not fitted.value or there.fit.cost > enough:
                 break
             about = MeshSearch.in_place_of(ready, there, base.fit.cost - there.fit.cost)

@@ -696,15 +696,15 @@ deviation. By definition."""
 
 def reduction_error(data: Study, at: Candidate) -> tuple[Study, float]:
     """`data` over coordinates that hold how the whole structures swing with the effects of `at`, and how much worse or better
-    they explain the data [nats] than those that there are say: 0 where nothing is reduced.
+    they explain the data [nats] than those that there are say: 0 where those stay.
 
     Raises
     ------
     CheckFailed : as `swinging_with`.
     """
-    if not at.effects or all(one.structure is None or one.structure.reduced is None for one in data.predictions):
-        return data, 0.0
     ready = data.over(partial(swinging_with, effects=at.effects))
+    if (*ready.made, *ready.tests) == (*data.made, *data.tests):
+        return data, 0.0
     costs = (cost_of(one.problem(at.effects), at.fit.parameters, FLOOR, at.fit.by_name) for one in (data, ready))
     try:
         before, after = (one.misfit(one.at(at.fit.by_name)) for one in costs)

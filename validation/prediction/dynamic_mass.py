@@ -197,7 +197,6 @@ LEAST = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 """[share] of the largest direction below which one is left out: the first of these at which they agree. A decade is a half more
 directions; the last is rounding."""
 
-
 WORTH_CONDENSING = 0.75
 """[share] of the coordinates above which nothing is condensed: that costs more than it saves. By counting."""
 
@@ -766,10 +765,10 @@ def structure(
             matrices, tangents, of.nominal, offsets, derivatives=every, laws=laws, coupling=structural
         )
     # What a user's own matrix has beside its diagonal is told, too, and stays
-    if LOSS_COUPLING in laws and (told := np.diag(np.diag(drawn.viscous - viscous))).any():
-        share, size = offsets.get(LOSS_COUPLING, 0.0), len(told)
+    share, told = offsets.get(LOSS_COUPLING, 0.0), np.diag(np.diag(drawn.viscous - viscous))
+    if LOSS_COUPLING in laws and (share or every) and told.any():
         own = {name: one for name, one in changes.items() if share and one.viscous.any() and not name.startswith("coupling:")}
-        moved = {name: np.diag(np.diag(full(one, "viscous", size))) for name, one in own.items()}
+        moved = {name: np.diag(np.diag(full(one, "viscous", len(told)))) for name, one in own.items()}
         matrices, tangents = with_losses_by_mode(matrices, tangents, told, moved, share, derivatives=every)
     return matrices, {name: change for name, change in tangents.items() if is_wanted(name, derivatives)}
 

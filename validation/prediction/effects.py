@@ -28,7 +28,6 @@ from validation.prediction.tangents import (
     LAWS,
     LOSS_COUPLING,
     NEIGHBOURS,
-    SOFTEST,
     Tangent,
     between,
     crossed,
@@ -87,6 +86,9 @@ TURNED = 1e-3
 """[share of one mode's shape in another's] that a mesh may leave unsure unsaid: where the other hardly moves, its resonance
 raises it fiftyfold. Held by tests/validation/prediction/test_structure_tests.py."""
 
+SOFTEST = 1e-9
+"""[share of the stiffest coordinate's stiffness] below which one moves without strain. By definition."""
+
 FINE_MESH = 0.1
 """[tolerance of a frequency] below which what a mesh leaves unsure of every mode is no parameter: it adds half a per cent to the
 tolerance. By definition."""
@@ -135,7 +137,9 @@ class Nuisances:
     last: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
     def over(self, made: ReducedStructure) -> "Nuisances":
-        """The same where its structure is reduced to other coordinates."""
+        """The same where its structure is reduced to other coordinates, itself where to these."""
+        if made is self.reduced:
+            return self
         return replace(self, nominal=made.matrices, frequency=made.frequency[: len(self.frequency)], reduced=made)
 
     @cached_property

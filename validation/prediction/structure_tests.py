@@ -176,7 +176,8 @@ def over(tests: Sequence[P], reduced_anew: Callable[[ReducedStructure], ReducedS
         of = one.structure if isinstance(one, OnNodes) else None
         known = None if of is None else of.reduced
         if isinstance(one, OnNodes) and of is not None and known is not None:
-            found.append(one.by(made.get(id(of)) or made.setdefault(id(of), of.over(reduced_anew(known)))))
+            anew = made.get(id(of)) or made.setdefault(id(of), of.over(reduced_anew(known)))
+            found.append(one if anew is of else one.by(anew))
         else:
             found.append(one)
     return tuple(found)

@@ -176,8 +176,8 @@ NEIGHBOURS = 0.1
 """Greatest distance of two frequencies, as a share of the higher one, at which the damping of one mode is taken to pull at the
 other: beyond it their resonances do not overlap, and the coupling is of second order in the damping."""
 
-SOFTEST = 1e-9
-"""[share of the stiffest coordinate's stiffness] below which one moves without strain. By definition."""
+ROUNDING = 1e-9
+"""[share] of the largest mass, or of two squared frequencies, below which a mass is none and the two are one. By definition."""
 
 
 def with_losses_by_mode(
@@ -194,7 +194,7 @@ def with_losses_by_mode(
     found, own = dict(tangents), np.flatnonzero(np.diag(told) + (not matrices.base) * matrices.rigid[:, : len(told)].any(axis=0))
     at, size = np.ix_(own, own), len(matrices.mass)
     heavy, axes = np.linalg.eigh(matrices.mass[at])
-    root = axes / np.sqrt(np.maximum(heavy, SOFTEST * heavy[-1]))
+    root = axes / np.sqrt(np.maximum(heavy, ROUNDING * heavy[-1]))
     squares, turned = np.linalg.eigh(root.T @ matrices.stiffness[at] @ root)
     shapes, squares = root @ turned, np.maximum(squares, len(own) * np.finfo(np.float64).eps * squares[-1])  # what floats: ±0
     back, lost = np.linalg.inv(shapes), shapes.T @ told[at] @ shapes
@@ -207,15 +207,14 @@ def with_losses_by_mode(
         viscous[at] = -back.T @ inner @ back
         return of_arrays(size, viscous=viscous)
 
-    coupled = weight * lost
-    away = placed(coupled)
+    away = placed(coupled := weight * lost)
     for name, tangent in tangents.items() if share else ():
         mass, stiffness = (shapes.T @ full(tangent, field, size)[at] @ shapes for field in ("mass", "stiffness"))
         more = shapes.T @ moved[name][at] @ shapes if name in moved else np.zeros_like(lost)
         if not (mass.any() or stiffness.any() or more.any()):
             continue
         # First-order perturbation (Fox & Kapoor 1968); modes that are one for rounding turn into each other by nothing
-        Z = np.divide(stiffness - mass * squares, gap, out=np.zeros_like(gap), where=np.abs(apart) > SOFTEST)
+        Z = np.divide(stiffness - mass * squares, gap, out=np.zeros_like(gap), where=np.abs(apart) > ROUNDING)
         np.fill_diagonal(Z, -np.diag(mass) / 2)
         grown = np.diag(stiffness) - squares * np.diag(mass)
         parted = 2 * (squares[:, None] * grown - squares * grown[:, None]) / both**2

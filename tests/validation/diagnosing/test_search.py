@@ -780,7 +780,8 @@ def test_what_breaks_down_over_more_coordinates_wherever_it_begins_stays_where_i
 
     ready = SimpleNamespace(problem=lambda effects: None)
     model = SimpleNamespace(looked_at=())
-    bench: Any = SimpleNamespace(model=model, predictions=(), ready_at=lambda places: ready, problem=lambda effects: None)
+    bench: Any = SimpleNamespace(model=model, made=(), tests=(), ready_at=lambda places: ready, problem=lambda effects: None)
+    bench.over = lambda reduced_anew: bench
     at = hypothesis("point-mass:mast-top", evidence=10.0)
     at = replace(at, effects=tuple(replace(one, named=replace(one.named, targets=("@0,0,1",))) for one in at.effects))
     monkeypatch.setattr(search, "nearby", breaks)
