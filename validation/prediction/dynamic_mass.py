@@ -187,11 +187,12 @@ def accelerance(
 
 
 SAMPLED = 9
-"""[count] of lines over the band at which all coordinates are solved. Held by tests/validation/prediction/test_matrices.py."""
+"""[count] of lines over the band at which all coordinates are solved: at every second one the others are checked. Held by
+tests/validation/prediction/test_matrices.py."""
 
 SPANNED = 1e-5
-"""[share] of the largest answer to which those between agree; what is read is stationary in them and agrees to a hundredth of it.
-Held by tests/validation/prediction/test_matrices.py."""
+"""[share] of the largest answer at a line to which those between agree; what is read is stationary in them and agrees to a
+hundredth of it. Held by tests/validation/prediction/test_matrices.py."""
 
 LEAST = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 """[share] of the largest direction below which one is left out: the first of these at which they agree. A decade is a half more
@@ -205,26 +206,22 @@ WORTH_CONDENSING = 0.75
 class Condensed:
     """A structure on fewer coordinates, by which it answers some loads over a band as it does on all of them.
 
-    Coordinates without a resonance in the band answer smoothly over it, whatever the others do: at a few lines they show all
-    directions in which they ever move, and on these the structure is held against lines between (E. J. Grimme, Krylov projection
-    methods for model reduction, 1997, for the agreement at and between such lines). The others stay as they are.
+    Its modes in and near the band as it stands are kept. What the loads, and what the losses of these modes, make of it beside
+    them is smooth over the band, whatever resounds in it: at a few lines it shows all directions in which it ever moves (E. J.
+    Grimme, Krylov projection methods for model reduction, 1997), and lines between are held against the whole structure.
 
     Attributes
     ----------
     matrices : of which the fields are condensed, and nothing else
-    kept, gone : coordinates that stay, and those in whose place the directions stand behind them
-    directions : (g, w) orthonormal
+    directions : (k, w) what each of the fewer coordinates moves
     """
 
     matrices: Matrices
-    kept: Integers
-    gone: Integers
     directions: Array
 
     @classmethod
-    def of(cls, matrices: Matrices, at: npt.NDArray[Any], loads: Array, smooth: slice) -> "Condensed | None":
-        """Of `loads` (k, p) at s / i (n,) [rad/s] in place of the `smooth` coordinates; None where they do not agree with it, or
-        where nothing is saved.
+    def of(cls, matrices: Matrices, at: npt.NDArray[Any], loads: Array) -> "Condensed | None":
+        """Of `loads` (k, p) at s / i (n,) [rad/s]; None where they do not agree with `matrices`, or where nothing is saved.
 
         Raises
         ------
@@ -232,57 +229,59 @@ class Condensed:
         """
         from scipy.linalg import qr
 
-        everything = np.arange(len(matrices.mass))
-        gone, kept = everything[smooth], np.delete(everything, smooth)
-        if len(at) < 4 * SAMPLED or len(gone) < len(kept):
+        k, p = loads.shape
+        if len(at) < 2 * SAMPLED or (near := _modes_near(matrices, np.abs(at))) is None:
             return None
+        shapes, back = near
         # Lines that crowd at the ends, as those between which polynomials agree best
         some = np.unique(np.round((len(at) - 1) * (1 - np.cos(np.pi * np.arange(SAMPLED) / (SAMPLED - 1))) / 2).astype(np.int64))
-        D = dynamic_matrix(matrices, at[some])
-        own = D[:, gone[:, None], gone]
-        asked = np.concatenate(
-            [-D[:, gone[:, None], kept], np.broadcast_to(loads[gone], (len(some), *loads[gone].shape))], axis=2
-        )
-        answers = np.linalg.solve(own, asked)
-        seen = np.hstack([*answers[::2].real, *answers[::2].imag])
-        Q, R, _ = qr(seen, mode="economic", pivoting=True, check_finite=False)
-        large = np.abs(np.diag(R))
+        D, square = dynamic_matrix(matrices, at[some]), np.abs(at[some, None, None]) ** 2
+        # What the losses of modes that resound make of the others is as large as they resound for these loads
+        M, K, C, S = (np.einsum("kr,kr->r", shapes, getattr(matrices, name) @ shapes) for name in FIELDS)
+        own = np.abs(M - (K + 1j * (at[:, None] * C + S)) / at[:, None] ** 2).min(axis=0)
+        size = np.divide(np.abs(loads.T @ shapes).max(axis=0, initial=0.0), own, out=np.zeros(len(own)), where=own > 0)
+        lost = (np.abs(at[some, None, None]) * (matrices.viscous @ shapes) + matrices.structural @ shapes) / square * size
+        answers = np.linalg.solve(D, np.concatenate([np.broadcast_to(loads, (len(some), k, p)), lost], axis=2))
+        beside = answers - shapes @ (back @ answers)
+        Q, R, _ = qr(np.hstack([*beside[::2].real, *beside[::2].imag]), mode="economic", pivoting=True, check_finite=False)
+        large, m = np.abs(np.diag(R)), shapes.shape[1]
+        every = np.hstack([shapes, Q[:, large > LEAST[-1] * large[0]]])
+        own_D, own_loads, due = every.T @ D[1::2] @ every, every.T @ loads, answers[1::2, :, :p]
         for least in LEAST:
-            W = Q[:, large > least * large[0]]
-            if len(kept) + W.shape[1] > len(everything) * WORTH_CONDENSING:
+            w = m + np.count_nonzero(large > least * large[0])
+            if w > k * WORTH_CONDENSING:
                 return None
-            told = W @ np.linalg.solve(W.T @ own[1::2] @ W, W.T @ asked[1::2])
-            if np.abs(told - answers[1::2]).max() <= SPANNED * np.abs(answers).max():
-                break
-        else:
-            return None
-        made = cls(matrices=matrices, kept=kept, gone=gone, directions=W)
-        M, K, C, S = (made.of_matrix(getattr(matrices, name), kept, gone, W) for name in FIELDS)
-        return replace(made, matrices=Matrices(base=0, mass=M, stiffness=K, viscous=C, structural=S))
-
-    @staticmethod
-    def of_matrix(matrix: Array, kept: Integers, gone: Integers, W: Array) -> Array:
-        """A symmetric `matrix` whose rows `kept` stay, and whose rows `gone` move by `W`."""
-        across = matrix[kept[:, None], gone] @ W
-        return np.block([[matrix[kept[:, None], kept], across], [across.T, W.T @ matrix[gone[:, None], gone] @ W]])
+            told = every[:, :w] @ np.linalg.solve(own_D[:, :w, :w], np.broadcast_to(own_loads[:w], (len(due), w, p)))
+            if np.all(np.abs(told - due).max(axis=(1, 2)) <= SPANNED * np.abs(due).max(axis=(1, 2))):
+                W = every[:, :w]
+                M, K, C, S = (W.T @ getattr(matrices, name) @ W for name in FIELDS)
+                return cls(matrices=Matrices(base=0, mass=M, stiffness=K, viscous=C, structural=S), directions=W)
+        return None
 
     def of_rows(self, rows: Array) -> Array:
         """`rows` (..., k) of what each coordinate moves."""
-        return np.concatenate([rows[..., self.kept], rows[..., self.gone] @ self.directions], axis=-1)
+        return rows @ self.directions
 
     def of_tangent(self, change: Tangent) -> Tangent:
         """How the condensed matrices change, the directions held: the answers, which lie in them, say no more."""
-        inside = np.isin(change.at, self.gone)
-        kept, gone = np.flatnonzero(~inside), np.flatnonzero(inside)
-        at = np.searchsorted(self.kept, change.at[kept])
-        if not len(gone):
-            return replace(change, at=at)
-        W = self.directions[np.searchsorted(self.gone, change.at[gone])]
-        fields, still = (getattr(change, name) for name in FIELDS), np.zeros((len(kept) + W.shape[1],) * 2)
-        M, K, C, S = (self.of_matrix(one, kept, gone, W) if one.any() else still for one in fields)
-        crossing = None if change.crossing is None or inside[change.crossing] else int(np.searchsorted(kept, change.crossing))
-        every = np.concatenate([at, len(self.kept) + np.arange(W.shape[1])])
-        return replace(change, at=every, crossing=crossing, mass=M, stiffness=K, viscous=C, structural=S)
+        W = self.directions[change.at]
+        still = np.zeros((W.shape[1], W.shape[1]))
+        M, K, C, S = (W.T @ change.times(name, W) if getattr(change, name).any() else still for name in FIELDS)
+        return Tangent(at=np.arange(W.shape[1]), mass=M, stiffness=K, viscous=C, structural=S)
+
+
+def _modes_near(matrices: Matrices, omega: Array) -> tuple[Array, Array] | None:
+    """(k, m) shapes of the undamped modes below `FAR` times the highest `omega` [rad/s], and (m, k) how much of each is in a
+    motion; None where the stiffness is not that of anything that stands or floats."""
+    from scipy.linalg import eigh
+
+    high = float(omega.max()) ** 2
+    both = matrices.stiffness + high * matrices.mass
+    try:  # 1 / (omega_r² + high), of a structure of which some coordinates may have no mass
+        _, shapes = eigh(matrices.mass, both, subset_by_value=(1 / ((1 + FAR**2) * high), np.inf), check_finite=False)
+    except np.linalg.LinAlgError:
+        return None
+    return shapes, shapes.T @ both
 
 
 def along(matrices: Matrices, place: str, direction: npt.ArrayLike) -> Array:
@@ -317,12 +316,10 @@ def _by_coordinate(answer: ComplexArray) -> ComplexArray:
 def _product(left: ComplexArray, matrix: Array, right: ComplexArray, crossing: int | None) -> ComplexArray:
     """left^T matrix right, (n, r, d), of sides (k, n, r) and (k, n, d): one real product for all lines."""
     if crossing is not None:
-        # The same of a matrix of which row and column `crossing` alone are there, alike: two sums over the coordinates
-        half = np.array(matrix[crossing])
-        half[crossing] /= 2
+        # The same of a row `matrix` (k,) that is the column, too: two sums over the coordinates
         flat = (side.reshape(len(side), -1).view(np.float64) for side in (left, right))  # real rows, and sides as real numbers
         over_left, over_right = (
-            (half @ each).view(np.complex128).reshape(side.shape[1:]) for each, side in zip(flat, (left, right), strict=True)
+            (matrix @ each).view(np.complex128).reshape(side.shape[1:]) for each, side in zip(flat, (left, right), strict=True)
         )
         return np.asarray(left[crossing][:, :, None] * over_right[:, None] + over_left[:, :, None] * right[crossing][:, None])
     k, n, d = right.shape

@@ -111,9 +111,9 @@ class RealModes:
         square, gaps, drag_of_itself, lost = self._of(tuple(of))
         every = self.shapes if len(by.at) == len(self.shapes) else self.shapes[by.at]
         own = every[:, list(of)]
-        pulled, heavier = by.stiffness @ own, 0.0
+        pulled, heavier = by.times("stiffness", own), 0.0
         if np.any(by.mass):
-            weighed = by.mass @ own
+            weighed = by.times("mass", own)
             pulled, heavier = pulled - square * weighed, np.sum(own * weighed, axis=0) / 2
         force, which = every.T @ pulled, np.arange(len(square))
         shares = force / gaps
@@ -124,9 +124,9 @@ class RealModes:
         d_omega = d_square / (2 * omega)
         d_loss = d_omega * drag_of_itself + 2 * np.sum(shares * lost, axis=0)
         if np.any(by.viscous):
-            d_loss = d_loss + omega * np.sum(own * (by.viscous @ own), axis=0)
+            d_loss = d_loss + omega * np.sum(own * by.times("viscous", own), axis=0)
         if np.any(by.structural):
-            d_loss = d_loss + np.sum(own * (by.structural @ own), axis=0)
+            d_loss = d_loss + np.sum(own * by.times("structural", own), axis=0)
         ratio = (d_loss - lost[list(of), which] * d_square / square) / (2 * square)
         return Moved(squares=d_square, shares=shares, damping_ratio=ratio)
 

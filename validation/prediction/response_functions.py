@@ -10,7 +10,7 @@ of a dynamic mass is here, and an effect on one has no meaning. A structure may 
 coordinates move.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil, inf, isfinite
@@ -26,7 +26,7 @@ from identification.response_functions import GAIN, ResponseFunctions
 from identification.spectra import noise as noise_of_lines
 from validation.effects.catalogue import There
 from validation.effects.stages import ChannelResponse, Matrices
-from validation.estimation.problem import IDENTIFIED, Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted
+from validation.estimation.problem import IDENTIFIED, Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted, is_wanted
 from validation.model.model import Added
 from validation.prediction import dynamic_mass, points
 from validation.prediction import effects as prediction_effects
@@ -202,11 +202,11 @@ class ResponseFunctionTest:
         effects = prediction_effects.at(self.effects, known)
         if not derivatives:
             effects = tuple(replace(one, fixed=True) for one in effects)
-        moving = bool(derivatives)
-        A, dA = self._accelerances(known, f, effects, derivatives=moving)
+        A, dA = self._accelerances(known, f, effects, derivatives=derivatives)
         gains, delays = self._chain(known)
         made = [
-            self._read(f, A[run], {k: d[run] for k, d in dA.items()}, gains, delays, effects, moving) for run in range(len(A))
+            self._read(f, A[run], {k: d[run] for k, d in dA.items()}, gains, delays, effects, derivatives)
+            for run in range(len(A))
         ]
         changes = {name: np.stack([tangents[name] for _, tangents in made]) for name in made[0][1]}
         every = tuple(range(len(self.measured.channels)))
@@ -214,9 +214,9 @@ class ResponseFunctionTest:
         return Predicted(rows=np.stack([rows for rows, _ in made]), changes=found)
 
     def _accelerances(
-        self, offsets: Offsets, f: Array, effects: Sequence[Added], *, derivatives: bool
+        self, offsets: Offsets, f: Array, effects: Sequence[Added], *, derivatives: Wanted
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
-        """(r, n, c, 1) of the quantity that is read per newton, and its derivatives by parameter."""
+        """(r, n, c, 1) of the quantity that is read per newton, and its derivatives by the parameters that are wanted."""
         matrices, tangents = structure(self.structure, offsets, effects, derivatives=derivatives)
         decay, smeared = self.decay_rate + offsets.get(WINDOW, 0.0), offsets.get(LEAKAGE, 0.0)
         plain, changes = self._on_axis(matrices, tangents, offsets, f, decay, derivatives=derivatives)
@@ -224,17 +224,17 @@ class ResponseFunctionTest:
             return plain, changes
         # The transform of h(t) r(t), r what a Hann window correlates with itself: A over the transform of r, on an axis
         # s + sigma on which A is smooth over the distance of lines however light its damping
-        passed = tangents if derivatives and smeared else {}
+        passed = derivatives if smeared else False
         whole, moved = np.zeros_like(plain), {name: np.zeros_like(plain) for name in changes}
         for away, weight in self._kernel:
             shifted = f + away
-            answer, own = self._on_axis(matrices, passed, offsets, np.abs(shifted), decay + self._shift, derivatives=bool(passed))
+            answer, own = self._on_axis(matrices, tangents, offsets, np.abs(shifted), decay + self._shift, derivatives=passed)
             turned = (shifted < 0)[:, None, None]
             whole += weight * np.where(turned, answer.conj(), answer)
             for name, change in own.items():
                 moved[name] += weight * np.where(turned, change.conj(), change)
         found = {name: (1 - smeared) * change + smeared * moved[name] for name, change in changes.items()}
-        if derivatives:
+        if is_wanted(LEAKAGE, derivatives):
             found[LEAKAGE] = whole - plain
         return (1 - smeared) * plain + smeared * whole, found
 
@@ -275,55 +275,57 @@ class ResponseFunctionTest:
         f: Array,
         decay: float | Array,
         *,
-        derivatives: bool,
+        derivatives: Wanted,
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
         """As `_accelerances`, on the axis s = i omega + decay, before any leakage."""
         of_responses, of_drives = self._rows(matrices, offsets)
         c, r = len(self.responses), len(self.drives)
-        roves = TRANSDUCER in self._asked
+        carried = offsets.get(TRANSDUCER, 0.0)
+        roves = TRANSDUCER in self._asked and (is_wanted(TRANSDUCER, derivatives) or carried != 0)
         ways = [dynamic_mass.along(matrices, one.place, axis) for one in self.responses if roves for axis in np.eye(3)]
         rows, forces = (np.vstack([one, *ways]) if ways else one for one in (of_responses.values, of_drives.values))
-        condensed = self._condensed(matrices, dynamic_mass.turning(f, decay), np.vstack([rows, forces]).T)
+        condensed = dynamic_mass.Condensed.of(matrices, dynamic_mass.turning(f, decay), np.vstack([rows, forces]).T)
         if condensed is not None:
             matrices = condensed.matrices
-            tangents = {name: condensed.of_tangent(change) for name, change in tangents.items()}
+            tangents = {name: condensed.of_tangent(change) for name, change in tangents.items() if derivatives}
             rows, forces = condensed.of_rows(rows), condensed.of_rows(forces)
         answered = dynamic_mass.accelerance(matrices, f, rows, forces, decay_rate=decay)
+        whole = answered.matrix
+        if not carried:  # what pick-ups that weigh nothing move along is asked of the structure as it stands alone
+            left, right = (np.ascontiguousarray(side[:, :, :n]) for side, n in ((answered.left, c), (answered.right, r)))
+            answered = replace(answered, matrix=whole[:, :c, :r], left=left, right=right)
         T = answered.matrix
         dT = dynamic_mass.transfer_tangents(answered, tangents) if derivatives else {}
         left, right = answered.left.transpose(1, 2, 0), answered.right.transpose(1, 2, 0)  # (n, c, k), (n, r, k)
-        for name, (at, row) in of_responses.changes.items() if derivatives else ():
+        for name in _wanted(of_responses.changes, derivatives):
+            at, row = of_responses.changes[name]
             dT[name] = np.zeros_like(T)
             dT[name][:, at] = right @ (row if condensed is None else condensed.of_rows(row))
-        for name, (at, row) in of_drives.changes.items() if derivatives else ():
+        for name in _wanted(of_drives.changes, derivatives):
+            at, row = of_drives.changes[name]
             dT[name] = np.zeros_like(T)
             dT[name][:, :, at] = left @ (row if condensed is None else condensed.of_rows(row))
         omega, power = answered.omega[:, None, None], POWERS[self.quantity]
         softer = self._softer(answered.omega, offsets)
         T[:, :c, :r] += softer
-        for k, drive in enumerate(self.drives) if derivatives and np.any(self._local) else ():
-            dT[f"{LOCAL}:{drive.name}"] = np.zeros_like(T)
-            dT[f"{LOCAL}:{drive.name}"][:, :c, k] = -(omega[:, 0] ** 2) * self._local[:, k]
-        if derivatives and WINDOW in self._asked:
+        gives = {f"{LOCAL}:{drive.name}": k for k, drive in enumerate(self.drives) if np.any(self._local)}
+        for name in _wanted(gives, derivatives):
+            dT[name] = np.zeros_like(T)
+            dT[name][:, :c, gives[name]] = -(omega[:, 0] ** 2) * self._local[:, gives[name]]
+        if WINDOW in self._asked and is_wanted(WINDOW, derivatives):
             # d D / d decay = -i (2 (K + i S) / omega³ + i C / omega²)
-            whole = np.arange(len(matrices.mass))
+            every = np.arange(len(matrices.mass))
             none = np.zeros_like(matrices.mass)
-            held = Tangent(at=whole, mass=none, stiffness=matrices.stiffness, viscous=none, structural=matrices.structural)
-            lost = Tangent(at=whole, mass=none, stiffness=none, viscous=matrices.viscous, structural=none)
+            held = Tangent(at=every, mass=none, stiffness=matrices.stiffness, viscous=none, structural=matrices.structural)
+            lost = Tangent(at=every, mass=none, stiffness=none, viscous=matrices.viscous, structural=none)
             moved = dynamic_mass.transfer_tangents(answered, {"held": held, "lost": lost})
             dT[WINDOW] = 1j / omega * (2 * moved["held"] + moved["lost"]) - power / (1j * omega) * T
             dT[WINDOW][:, :c, :r] += 2 / (1j * omega) * softer
-        A, dA = _roved(T, dT, offsets.get(TRANSDUCER, 0.0), c, r) if roves else (T, dT)
+        A, dA = _roved(whole, dT, carried, c, r) if roves else (T, dT)
         if not derivatives:
             dA = {}
         factor = (1j * omega) ** -power
         return _by_run(factor * A), {name: _by_run(factor * change) for name, change in dA.items()}
-
-    def _condensed(self, matrices: Matrices, at: npt.NDArray[np.complex128], loads: Array) -> dynamic_mass.Condensed | None:
-        """`matrices` without what answers the loads of this test smoothly: all beside the modes and what effects append."""
-        nominal = self.structure.nominal
-        smooth = slice(nominal.base + len(self.structure.frequency), len(nominal.mass))
-        return dynamic_mass.Condensed.of(matrices, at, loads, smooth)
 
     def _read(
         self,
@@ -333,7 +335,7 @@ class ResponseFunctionTest:
         gains: Array,
         delays: Array,
         effects: Sequence[Added],
-        derivatives: bool,
+        derivatives: Wanted,
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
         """What the channels of one run read (n, c, 1) per what the force reads, and its derivatives: gains, delays, effects."""
         c = len(self.measured.channels)
@@ -344,15 +346,18 @@ class ResponseFunctionTest:
         tangents = {name: factor * np.concatenate([change, 0 * change[:, :1]], axis=1) for name, change in dA.items()}
         if derivatives:
             slopes = [1.0 if self._factors[name].logarithmic else 1 / gain for name, gain in zip(self._gains, gains, strict=True)]
-            for k, name in enumerate(self._gains[: c + 1]):
+            own = {name: k for k, name in enumerate(self._gains[: c + 1])}
+            for name in _wanted(own, derivatives):
+                k = own[name]
                 tangents[name] = np.zeros_like(signals)
                 tangents[name][:, k] = slopes[k] * factor[:, k] * signals[:, k]
-            if self.scale is not None:
+            if self.scale is not None and is_wanted(self._gains[c + 1], derivatives):
                 tangents[self._gains[c + 1]] = np.concatenate([factor[:, :c] * A, 0 * ones], axis=1)
-            for k, name in enumerate(self._delays):
-                if name in self._asked:
-                    tangents[name] = np.zeros_like(signals)
-                    tangents[name][:, k] = -1j * omega[:, 0] * factor[:, k] * signals[:, k]
+            late = {name: k for k, name in enumerate(self._delays) if name in self._asked}
+            for name in _wanted(late, derivatives):
+                k = late[name]
+                tangents[name] = np.zeros_like(signals)
+                tangents[name][:, k] = -1j * omega[:, 0] * factor[:, k] * signals[:, k]
         channels = (*self.measured.channels, FORCE_CHANNEL)
         reading = ChannelResponse(frequency=f, channels=channels, rows=factor * signals, amplitude=np.zeros((len(f), c + 1)))
         reading, tangents = prediction_effects.channels(reading, tangents, effects)
@@ -460,12 +465,18 @@ class ResponseFunctionTest:
         return (*left, *prediction_effects.parameters(self.effects, self.structure)), given
 
 
+def _wanted(names: Iterable[str], derivatives: Wanted) -> list[str]:
+    """Those of the parameters called `names` by which derivatives are wanted."""
+    return [name for name in names if is_wanted(name, derivatives)]
+
+
 def _roved(
     T: ComplexArray, dT: Mapping[str, ComplexArray], m: float, c: int, r: int
 ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
     """The functions (n, c, r) of a structure with `m` [kg] more at each response in turn, and their derivatives.
 
-    `T` (n, c + 3 c, r + 3 c) has the three axes of every response behind the responses and behind the drives:
+    `T` (n, c + 3 c, r + 3 c), and `dT` where there is an `m`, have the three axes of every response behind the responses and
+    behind the drives:
     A' = A - m a Z, Z = (1 + m X)^-1 Y, a the response to forces at its own point, X that point's answers to them, Y to drives.
     """
     A = np.array(T[:, :c, :r])

@@ -18,9 +18,9 @@ class Tangent:
     Attributes
     ----------
     at : (s,) the coordinates concerned; coordinates that later effects append need no change here
-    mass, stiffness, viscous, structural : (s, s)
+    mass, stiffness, viscous, structural : (s, s); of one with a `crossing` (s,) by which its row grows, and its column
     parts : by name (k, k), where the share of a part changes
-    crossing : position in `at` of the coordinate whose row and column alone change; None where more may
+    crossing : position in `at` of the coordinate whose row and column alone change, twice where they meet; None where more may
     lossier : the coordinate whose losses grow, and of parts with them what effects add; None of all others
     """
 
@@ -32,6 +32,21 @@ class Tangent:
     parts: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
     crossing: int | None = None
     lossier: int | None = None
+
+    def entries(self, whole: Array) -> Array:
+        """Those of a symmetric `whole` (k, k) that stand where the fields do."""
+        if self.crossing is not None:
+            return np.asarray(whole[self.at[self.crossing], self.at])
+        return whole if len(self.at) == len(whole) else whole[np.ix_(self.at, self.at)]
+
+    def times(self, name: str, motions: Array) -> Array:
+        """The field `name` as a matrix (s, s) times `motions` (s, m)."""
+        own: Array = getattr(self, name)
+        if self.crossing is None:
+            return np.asarray(own @ motions)
+        pulled = np.outer(own, motions[self.crossing])
+        pulled[self.crossing] += own @ motions
+        return pulled
 
 
 FIELDS = ("mass", "stiffness", "viscous", "structural")
@@ -60,11 +75,7 @@ def crossed(r: int, **changed: Array) -> Tangent:
     at = np.flatnonzero(np.logical_or.reduce([row != 0 for row in changed.values()]))
     if (where := int(np.searchsorted(at, r))) == len(at) or at[where] != r:
         at = np.insert(at, where, r)
-    made = {name: np.zeros((len(at), len(at))) for name in FIELDS}
-    for name, row in changed.items():
-        made[name][where] += row[at]
-        made[name][:, where] += row[at]
-    mass, stiffness, viscous, structural = (made[name] for name in FIELDS)
+    mass, stiffness, viscous, structural = (changed[name][at] if name in changed else np.zeros(len(at)) for name in FIELDS)
     return Tangent(at=at, mass=mass, stiffness=stiffness, viscous=viscous, structural=structural, crossing=where)
 
 
@@ -86,7 +97,8 @@ def plus(one: Tangent, other: Tangent, size: int) -> Tangent:
 def full(tangent: Tangent, name: str, size: int) -> Array:
     """The field `name` of `tangent` on all coordinates, (size, size)."""
     whole = np.zeros((size, size))
-    whole[np.ix_(tangent.at, tangent.at)] = getattr(tangent, name)
+    crossing, own = tangent.crossing, getattr(tangent, name)
+    whole[np.ix_(tangent.at, tangent.at)] = own if crossing is None else tangent.times(name, np.eye(len(own)))
     return whole
 
 
@@ -155,12 +167,14 @@ def with_damping_law(
         matrices = replace(matrices, structural=coupled * together + between)
     for name, tangent in tangents.items() if share or apart else ():
         if tangent.structural.any():
-            at = np.ix_(tangent.at, tangent.at) if len(tangent.at) < len(W) else ...
-            lost = tangent.structural * together[at] if apart and not name.startswith("coupling:") else tangent.structural
-            viscous = turning[at] * lost
+            parted = apart and not name.startswith("coupling:")
+            lost = tangent.structural * tangent.entries(together) if parted else tangent.structural
+            viscous = tangent.entries(turning) * lost
             viscous += tangent.viscous
             found[name] = (
-                replace(tangent, structural=lost * kept[at], viscous=viscous) if share else replace(tangent, structural=lost)
+                replace(tangent, structural=lost * tangent.entries(kept), viscous=viscous)
+                if share
+                else replace(tangent, structural=lost)
             )
     turned = within * matrices.structural
     if derivatives and DAMPING_LAW in laws:

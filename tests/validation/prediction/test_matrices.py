@@ -314,32 +314,46 @@ def test_tangents_add_on_the_coordinates_of_both():
         np.testing.assert_allclose(full(both, name, SIZE), full(one, name, SIZE) + full(other, name, SIZE))
 
 
-def test_what_answers_smoothly_over_a_band_is_condensed_and_neither_answers_nor_derivatives_change(held):
-    of = held(structure("clumod-4"), locations("clumod-4"))
-    m, sways = of.matrices, slice(len(of.frequency), None)
-    rows = np.array([dynamic_mass.along(m, place, [1.0, 0.0, 0.0]) for place in ("mast-top", "hub-1")])
-    few = dynamic_mass.Condensed.of(m, 2 * np.pi * LINES, rows.T, sways)
+@pytest.fixture(scope="module")
+def turned(held) -> tuple[Matrices, np.ndarray]:
+    """Clumod with a mast at 40 % of its stiffness, which couples its modes to what answers statically, and rows of two places."""
+    m = held(structure("clumod-4"), locations("clumod-4")).matrices
+    K = m.stiffness - 0.6 * m.parts["mast"]
+    m = replace(m, stiffness=K, structural=m.structural + 0.1 * m.parts["mast"])
+    return m, np.array([dynamic_mass.along(m, place, [1.0, 0.0, 0.0]) for place in ("mast-top", "hub-1")])
+
+
+def test_a_structure_is_condensed_to_what_it_does_over_a_band_and_neither_answers_nor_derivatives_change(turned):
+    m, rows = turned
+    few = dynamic_mass.Condensed.of(m, 2 * np.pi * LINES, rows.T)
     assert few is not None
-    assert len(few.matrices.mass) < 0.75 * len(m.mass)
+    assert len(few.matrices.mass) < 0.5 * len(m.mass)
     part = of_arrays(len(m.mass), stiffness=m.parts["mast"], structural=0.1 * m.parts["mast"])
     mode = crossed(3, stiffness=m.stiffness[3], structural=m.structural[3])
     answered = dynamic_mass.accelerance(m, LINES, rows, rows[0])
     condensed = dynamic_mass.accelerance(few.matrices, LINES, few.of_rows(rows), few.of_rows(rows[0]))
-    np.testing.assert_allclose(condensed.matrix, answered.matrix, rtol=0, atol=1e-10 * np.abs(answered.matrix).max())
+    np.testing.assert_allclose(condensed.matrix, answered.matrix, rtol=0, atol=1e-8 * np.abs(answered.matrix).max())
     due = dynamic_mass.transfer_tangents(answered, {"part": part, "mode": mode})
     found = dynamic_mass.transfer_tangents(condensed, {"part": few.of_tangent(part), "mode": few.of_tangent(mode)})
     for name, change in due.items():
         np.testing.assert_allclose(found[name], change, rtol=0, atol=dynamic_mass.SPANNED * np.abs(change).max())
 
 
-def test_what_resounds_in_the_band_is_condensed_where_that_is_right_between_all_lines_and_few_lines_are_solved_as_they_are(held):
-    of = held(structure("clumod-4"), locations("clumod-4"))
-    m, sways = of.matrices, slice(len(of.frequency), None)
-    rows = np.array([dynamic_mass.along(m, place, [1.0, 0.0, 0.0]) for place in ("mast-top", "hub-1")])
+@pytest.mark.parametrize("lost", [0.0, 0.01, 0.5])
+def test_what_is_condensed_is_right_at_peaks_between_its_lines_too_and_few_lines_are_solved_as_they_are(turned, lost):
+    m, rows = turned
+    m = replace(m, structural=0.001 * m.stiffness + lost * m.parts["mast"])
     f = np.linspace(LINES[0], LINES[-1], 4001)
-    few = dynamic_mass.Condensed.of(m, 2 * np.pi * LINES, rows.T, slice(0, None))
+    few = dynamic_mass.Condensed.of(m, 2 * np.pi * LINES, rows.T)
     assert few is not None
     condensed = dynamic_mass.accelerance(few.matrices, f, few.of_rows(rows), few.of_rows(rows[0])).matrix
     whole = dynamic_mass.accelerance(m, f, rows, rows[0]).matrix
-    assert np.abs(condensed - whole).max() < 0.1 * dynamic_mass.SPANNED * np.abs(whole).max()
-    assert dynamic_mass.Condensed.of(m, 2 * np.pi * LINES[:20], rows.T, sways) is None
+    line = np.abs(whole).max(axis=(1, 2), keepdims=True)
+    assert (np.abs(condensed - whole) / line).max() < dynamic_mass.SPANNED
+    assert dynamic_mass.Condensed.of(m, 2 * np.pi * LINES[:12], rows.T) is None
+
+
+def test_what_neither_stands_nor_floats_is_not_condensed(turned):
+    m, rows = turned
+    m = replace(m, stiffness=m.stiffness - 1.1 * np.diag(np.diag(m.stiffness + (2 * np.pi * LINES.max()) ** 2 * m.mass)))
+    assert dynamic_mass.Condensed.of(m, 2 * np.pi * LINES, rows.T) is None
