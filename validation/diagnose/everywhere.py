@@ -345,7 +345,11 @@ class MeshSearch:
         """
         spread = float(self.plausible(where)[kind][0])
         sign = -1 if first < 0 else 1
-        reads = tuple(of(where(_known(one))[0]) for of, (_, one) in zip(self.finite, self.tests, strict=True))
+        rows = [where(_known(one))[0] for _, one in self.tests]
+        asked = tuple(row.tobytes() for row in rows)
+        if asked not in self._reads:  # of every kind the same places
+            self._reads[asked] = tuple(of(row) for of, row in zip(self.finite, rows, strict=True))
+        reads = self._reads[asked]
 
         def at(octave: float) -> float:
             return self._at(kind, reads, float(sign * spread * np.exp2(octave)), spread)
@@ -432,6 +436,10 @@ class MeshSearch:
     def finite(self) -> tuple[Finite, ...]:
         """By test, what is read with a mass or a spring of any size."""
         return tuple(one.finite(self.offsets, left.of.lines) for left, one in self.tests)
+
+    @cached_property
+    def _reads(self) -> dict[tuple[bytes, ...], tuple[Callable[[Array, Array], ComplexArray], ...]]:
+        return {}
 
     def _at(self, kind: str, reads: Sequence[Callable[[Array, Array], ComplexArray]], size: float, spread: float) -> float:
         """Evidence [nats] of a size, by what the tests `reads` of it at a place."""

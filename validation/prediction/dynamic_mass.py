@@ -227,8 +227,6 @@ class Condensed:
         ------
         numpy.linalg.LinAlgError : a line lies on an undamped mode.
         """
-        from scipy.linalg import qr
-
         k, p = loads.shape
         if len(at) < 2 * SAMPLED or (near := _modes_near(matrices, np.abs(at))) is None:
             return None
@@ -242,20 +240,21 @@ class Condensed:
         size = np.divide(np.abs(loads.T @ shapes).max(axis=0, initial=0.0), own, out=np.zeros(len(own)), where=own > 0)
         lost = (np.abs(at[some, None, None]) * (matrices.viscous @ shapes) + matrices.structural @ shapes) / square * size
         answers = np.linalg.solve(D, np.concatenate([np.broadcast_to(loads, (len(some), k, p)), lost], axis=2))
-        beside = answers - shapes @ (back @ answers)
-        Q, R, _ = qr(np.hstack([*beside[::2].real, *beside[::2].imag]), mode="economic", pivoting=True, check_finite=False)
-        large, m = np.abs(np.diag(R)), shapes.shape[1]
-        every = np.hstack([shapes, Q[:, large > LEAST[-1] * large[0]]])
-        own_D, own_loads, due = every.T @ D[1::2] @ every, every.T @ loads, answers[1::2, :, :p]
+        seen = answers[::2].view(np.float64)  # real and imaginary parts beside each other
+        beside = np.hstack(list(seen - shapes @ (back @ seen)))
+        squares, axes = np.linalg.eigh(beside @ beside.T)
+        large, m, due = np.sqrt(np.maximum(squares[::-1], 0.0)), shapes.shape[1], answers[1::2, :, :p]
+        every = np.hstack([shapes, axes[:, ::-1][:, large > LEAST[-1] * large[0]]])
+        M, K, C, S = (every.T @ getattr(matrices, name) @ every for name in FIELDS)
+        own = dynamic_matrix(Matrices(base=0, mass=M, stiffness=K, viscous=C, structural=S), at[some[1::2]])
         for least in LEAST:
             w = m + np.count_nonzero(large > least * large[0])
             if w > k * WORTH_CONDENSING:
                 return None
-            told = every[:, :w] @ np.linalg.solve(own_D[:, :w, :w], np.broadcast_to(own_loads[:w], (len(due), w, p)))
+            told = every[:, :w] @ np.linalg.solve(own[:, :w, :w], every[:, :w].T @ loads)
             if np.all(np.abs(told - due).max(axis=(1, 2)) <= SPANNED * np.abs(due).max(axis=(1, 2))):
-                W = every[:, :w]
-                M, K, C, S = (W.T @ getattr(matrices, name) @ W for name in FIELDS)
-                return cls(matrices=Matrices(base=0, mass=M, stiffness=K, viscous=C, structural=S), directions=W)
+                fields = dict(zip(FIELDS, (one[:w, :w] for one in (M, K, C, S)), strict=True))
+                return cls(matrices=Matrices(base=0, **fields), directions=every[:, :w])
         return None
 
     def of_rows(self, rows: Array) -> Array:
