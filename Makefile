@@ -32,7 +32,7 @@ help: ## what each target does
 setup: $(READY) ## the virtual environment .venv from the lock, this project editable in it
 
 demo: $(READY) ## everything massline shows, tables on the screen and pictures under out/
-	@$(VENV) -m validation.cli.demo
+	@$(VENV) -m tools.demo
 
 docs: $(READY) ## the pages, notebooks and docstrings as a site with search under out/site; needs no network
 	@$(VENV) -P -m tools.site

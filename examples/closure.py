@@ -24,8 +24,10 @@ from fem.damping import Damping
 from fem.dynamic_mass import LINES
 from fem.exudyn import driven_run
 from fem.modes import Modes, fixed_base
+from geometry.dynamic_mass import MOTIONS
+from geometry.frames import Array
 from validation.output import counted
-from validation.reference.reconstruction import Deviation, deviation, identified
+from validation.verification.dynamics import deviation, identified
 
 QUICK = ("clumod-1", "120", "0.05", "8192")
 MODES, CROSS, LEFT = 10, 0.03, 1e-7
@@ -39,12 +41,12 @@ def model(article: str, ratio: float) -> tuple[Rig, Modes]:
     return Rig(article=rig.flexible(article, structure, modes)), modes
 
 
-def closed(rig: Rig, modes: Modes, octaves: float, rate: float, respond: Callable[..., Response]) -> Deviation:
-    """How far the dynamic mass identified from six sweeps lies from that of `rig`."""
+def closed(rig: Rig, modes: Modes, octaves: float, rate: float, respond: Callable[..., Response]) -> Array:
+    """(6, 2) how far the dynamic mass identified from six sweeps lies from that of `rig`, off its resonances and at them."""
     drives, cross = sweeps(rate=octaves), drawn(np.random.default_rng(1), CROSS)
     axes = counted(drives, f"sweeps at {rate:g} Hz")
     runs = (respond(rig, record(rig, drives[axis], cross, rate)) for axis in axes)
-    return deviation(identified(runs, LINES).dynamic_mass, dynamic_mass(rig, LINES), modes.frequency, modes.damping_ratio)
+    return deviation(identified(runs, LINES).dynamic_mass, dynamic_mass(rig, LINES), modes.frequency, modes.damping_ratio).T
 
 
 def record(rig: Rig, drive: Sweep, cross: CrossMotion, rate: float) -> BaseMotion:
@@ -57,13 +59,13 @@ def main(console: Console, arguments: Sequence[str] = QUICK) -> None:
     article, (octaves, ratio, rate) = arguments[0], map(float, arguments[1:])
     rig, modes = model(article, ratio)
     ways = {"exudyn": driven_run.respond, "recursion": response.respond}
-    found = {name: closed(rig, modes, octaves, rate, way).by_axis() for name, way in ways.items()}
+    found = {name: closed(rig, modes, octaves, rate, way) for name, way in ways.items()}
     shown = Table(title=f"{article}: {octaves:g} octaves a minute, damping {ratio:.1%}, {rate:g} steps a second")
     shown.add_column("axis")
     for heading in (f"{way}, {where}" for way in ways for where in ("off resonance", "at resonance")):
         shown.add_column(heading, justify="right")
-    for axis in found["exudyn"]:
-        shown.add_row(axis, *(f"{share:.4%}" if share else "-" for way in ways for share in found[way][axis]))
+    for k, axis in enumerate(MOTIONS):
+        shown.add_row(axis, *(f"{share:.4%}" if share else "-" for way in ways for share in found[way][k]))
     console.print(shown)
 
 

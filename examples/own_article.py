@@ -10,10 +10,11 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from cadquery import Assembly
 
 from geometry import atomic
 from geometry.article import Box, Cylinder, Part, Shape, material, upright
-from geometry.cad import solid, write_step, write_stl
+from geometry.cad import silence, solid
 
 ARTICLE = """\
 format = 1
@@ -69,10 +70,14 @@ def parts() -> tuple[Part, Part]:
 
 def write(folder: Path) -> None:
     """Write the hammer's files into `folder`."""
+    folder.mkdir(parents=True, exist_ok=True)
     solids = {part.name: solid(part) for part in parts()}
-    write_step(folder / "hammer.step", solids, "hammer")
+    assembly = Assembly(name="hammer")
     for name, body in solids.items():
-        write_stl(folder / f"{name}.stl", body)
+        assembly.add(body, name=name)
+        body.exportStl(str(folder / f"{name}.stl"), 0.01, 0.1)
+    with silence():
+        assembly.export(str(folder / "hammer.step"))
     atomic.write_text(folder / "article.toml", ARTICLE)
     atomic.write_text(folder / "robot.urdf", ROBOT)
 

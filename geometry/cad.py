@@ -9,7 +9,7 @@ import re
 import signal
 import tempfile
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import combinations, product
 from pathlib import Path
@@ -66,9 +66,6 @@ def location(pose: Pose) -> Any:
     transformation.SetValues(*np.column_stack([pose.rotation, pose.position / MM]).ravel().tolist())
     return Location(transformation)
 
-
-ENDINGS = (".step", ".stp")
-"""What can be read, upper or lower case."""
 
 RELATIVE_CHORD = 1e-4
 """Chord error of the mesh of a solid where none is asked for, relative to the diagonal of the box around it."""
@@ -383,23 +380,7 @@ def overlaps(article: Article) -> dict[tuple[str, str], float]:
     return {pair: v * MM**3 for pair, v in shared.items() if v > 1e-9 * min(volumes[pair[0]], volumes[pair[1]])}
 
 
-# Solids out of the house: STEP assemblies with a name for every body, BREP files and STL meshes. In millimetres.
-
-
-def write_step(path: Path, solids: Mapping[str, OccShape], name: str) -> None:
-    """Write `solids` [mm] by the name of each body as one STEP assembly called `name`."""
-    from cadquery import Assembly
-
-    assembly = Assembly(name=name)
-    for body, solid in solids.items():
-        assembly.add(solid, name=body)
-    with silence():
-        atomic.write_with(path, lambda temporary: assembly.export(str(temporary), "STEP"))
-
-
-def write_stl(path: Path, solid: OccShape, chord: float = 0.01) -> None:
-    """Write `solid` [mm] as a binary STL with chord error `chord` [mm]."""
-    atomic.write_with(path, lambda temporary: solid.exportStl(str(temporary), chord, 0.1))
+# Solids out of the house, in millimetres.
 
 
 def write_brep(path: Path, solid: OccShape) -> None:

@@ -373,14 +373,14 @@ class Loss:
     amplification: Array
 
 
-def without_each(spectra: Spectra, *, groups: Sequence[str] | None = None, gravity: float = STANDARD_GRAVITY) -> tuple[Loss, ...]:
+def without_each(spectra: Spectra, *, gravity: float = STANDARD_GRAVITY) -> tuple[Loss, ...]:
     """The effect of losing each accelerometer that `base_motion` uses, in the order of the table.
 
     Raises
     ------
     BadInput : as of `base_motion`.
     """
-    used = groups_used(spectra.table) if groups is None else tuple(groups)
+    used = groups_used(spectra.table)
     known = _only(spectra, spectra.table.select(group=used, quantity="acceleration"))
     if not np.all(known.noise > 0):  # equal noise then: what matters here is how it spreads
         known = replace(known, noise=np.ones_like(known.noise))

@@ -66,8 +66,7 @@ class Quality:
     covariance : (10, 10) of these
     intervals : (10, 2) low and high end of the 95 % interval of each
     shares : by input its share (10,) of the variance of `values`
-    dominant : by PARAMETER about F and by name in `QUANTITIES`, the input with the largest share
-    verdict : by the same names, in words
+    verdict : by PARAMETER about F and by name in `QUANTITIES`, in words
     bootstrap : by the same names, standard deviation of the block bootstrap as a share of that of `covariance`; empty without one
     """
 
@@ -76,7 +75,6 @@ class Quality:
     covariance: Array
     intervals: Array
     shares: Mapping[str, Array]
-    dominant: Mapping[str, str]
     verdict: Mapping[str, str]
     bootstrap: Mapping[str, float] = field(default_factory=dict)
 
@@ -136,7 +134,6 @@ def quality(identified: Identified, frame: Pose | None = None) -> Quality:
         covariance=covariance,
         intervals=np.stack([values - half, values + half], axis=1),
         shares=shares,
-        dominant={name: _dominant(share, k) for names, share, _ in judged for k, name in enumerate(names)},
         verdict={
             name: verdict(float(width[k]), share, k, identified, wider.get(name, 1.0))
             for names, share, width in judged

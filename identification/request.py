@@ -277,12 +277,11 @@ class Settings:
     robust: bool = False
 
 
-def evidence_of(request: Request, article: Spectra, tares: Sequence[Spectra], fmd: Known | None = None) -> Evidence:
+def evidence_of(request: Request, article: Spectra, tares: Sequence[Spectra]) -> Evidence:
     """The evidence of `request`, whose campaigns have the spectra `article` and, in their order, `tares`.
 
-    A nominal FMD of the request is taken to be known within the tolerance of an FMD; `fmd` goes before it.
+    A nominal FMD of the request is taken to be known within the tolerance of an FMD.
     """
-    nominal = None if request.fmd is None else Known.within(request.fmd, request.tolerances.fmd_inertia)
     below = []
     for tare, read in zip(request.tares, tares, strict=True):
         known = Known.nothing() if tare.known is None else Known.within(tare.known, tare.relative_sd)
@@ -291,7 +290,7 @@ def evidence_of(request: Request, article: Spectra, tares: Sequence[Spectra], fm
     return Evidence(
         article=article,
         tares=tuple(below),
-        fmd=fmd or nominal,
+        fmd=None if request.fmd is None else Known.within(request.fmd, request.tolerances.fmd_inertia),
         facts=request.facts,
         hardware=request.campaign.hardware,
     )
@@ -311,9 +310,6 @@ def settings_of(request: Request) -> Settings:
 
 
 # `Identified`: ten inertia parameters with their covariance, and where their uncertainty comes from.
-
-PARAMETERS = ("m", "mx", "my", "mz", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
-"""Order of Eq. 4."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -19,9 +19,6 @@ from geometry.inertia import Inertia, require_physical
 HEIGHT = 0.1
 """Feet of the ropes above the CoG [m] where nothing else is said; Eq. 5 does not know it."""
 
-LINKS = 8
-"""Links of a rope that has mass, where nothing else is said: its error is then 4 % of the rope's own effect (measured)."""
-
 MOST_LINKS = 20
 """Links of a rope at most: their error is then below 1 % of the rope's own effect, and the cost grows with their cube."""
 

@@ -16,8 +16,6 @@ from geometry.frames import Array
 from identification.files import files
 from identification.files.files import DAMAGED, Samples, Signals
 
-ENDINGS = (".csv",)
-
 AXES = ("time", "frequency")
 
 LONGEST_HEADER = 1_000_000

@@ -195,13 +195,13 @@ BLOCK = 1.0
 DRAWS = 2000
 
 
-def bootstrap_scores(parts: Sequence[Part], layout: Layout, x: Array, *, block: float = BLOCK) -> list[Array]:
+def bootstrap_scores(parts: Sequence[Part], layout: Layout, x: Array) -> list[Array]:
     """By campaign (b, k): what every block of lines of every run contributes to the gradient at `x`."""
     found = []
     for part in parts:
         by_line = likelihood.gradients(part.observed, part.rows(layout, x)) @ part.selection(layout)  # (r, n, k)
         f = part.observed.frequency
-        at = np.floor((f - f[0]) / block).astype(np.int64)
+        at = np.floor((f - f[0]) / BLOCK).astype(np.int64)
         found.append(np.concatenate([np.stack([run[at == one].sum(axis=0) for one in np.unique(at)]) for run in by_line]))
     return found
 

@@ -1,7 +1,7 @@
 """docs/tutorial.md is the demo: its story is the demo's, command for command."""
 
+from tools.demo import HIDDEN, STEPS
 from tools.pages import ROOT, commands
-from validation.cli.demo import HIDDEN, STEPS
 
 TUTORIAL = commands(ROOT / "docs" / "tutorial.md")
 

@@ -12,7 +12,8 @@ import click
 import pytest
 
 from geometry.errors import BadInput, CheckFailed
-from validation.cli import demo, main
+from tools import demo
+from validation.cli import main
 from validation.cli.main import COMMANDS, DONE, FAILED_CHECK
 
 Install = Callable[[Callable[[], object]], None]

@@ -15,7 +15,8 @@ from fem.beam import articles
 from fem.modes import fixed_base
 from geometry.dynamic_mass import MOTIONS, DynamicMass
 from geometry.errors import CheckFailed
-from validation.reference import reconstruction
+from tools import reconstruction
+from validation.verification import dynamics
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +80,7 @@ def test_six_runs_of_the_recursion_give_the_dynamic_mass_of_what_was_driven():
     rig = Rig(article=flexible("cuboid", structure, fixed_base(structure, 2)))
     lines = np.array([8.0, 12.0, 20.0])
     runs = [respond(rig, Sweep(axis=one, rate=135.0).motion(8192, ring_down=0.2)) for one in MOTIONS]
-    found = reconstruction.identified(runs, lines).dynamic_mass
+    found = dynamics.identified(runs, lines).dynamic_mass
     expected = dynamic_mass(rig, lines).matrix
     np.testing.assert_allclose(found.matrix, expected, atol=1e-3 * np.abs(expected).max())  # what rings on is cut
 
@@ -97,12 +98,10 @@ def _model() -> np.ndarray:
     return H
 
 
-def _deviation(change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _deviation(change: np.ndarray) -> np.ndarray:
     model = _model()
-    found = reconstruction.deviation(
-        DynamicMass(frequency=LINES, matrix=model + change), DynamicMass(frequency=LINES, matrix=model), RESONANCE, RATIO
-    )
-    return found.off, found.at
+    changed = DynamicMass(frequency=LINES, matrix=model + change)
+    return dynamics.deviation(changed, DynamicMass(frequency=LINES, matrix=model), RESONANCE, RATIO)
 
 
 @pytest.mark.parametrize("change", [np.zeros((6, 6)), np.ones((6, 6)) - np.eye(6)], ids=["nothing", "beside the diagonal"])
@@ -126,7 +125,7 @@ def test_a_line_is_at_a_resonance_within_so_many_half_widths_of_it():
     change = np.zeros((len(LINES), 6, 6), dtype=np.complex128)
     change[3, 0, 0] = 3.0
     off, at = _deviation(change)
-    assert LINES[3] - RESONANCE[0] > reconstruction.BANDWIDTHS * RATIO[0] * RESONANCE[0]
+    assert LINES[3] - RESONANCE[0] > dynamics.BANDWIDTHS * RATIO[0] * RESONANCE[0]
     assert (off[0], at[0]) == (pytest.approx(0.01), 0.0)
 
 

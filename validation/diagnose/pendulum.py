@@ -232,7 +232,7 @@ class Against:
     Attributes
     ----------
     name : of the fact
-    measured, measured_sd : by balance, crane or pendulum, SI
+    measured : by balance, crane or pendulum, SI
     said, said_sd : by the campaigns, SI
     unit : of them
     sigma : (said - measured) / standard deviation of both
@@ -240,7 +240,6 @@ class Against:
 
     name: str
     measured: float
-    measured_sd: float
     said: float
     said_sd: float
     unit: str
@@ -308,7 +307,6 @@ def against(data: Study, at: diagnosis.Candidate) -> tuple[Against, ...]:
                 Against(
                     name=own.name,
                     measured=own.value,
-                    measured_sd=own.deviation,
                     said=own.value + z * own.deviation,
                     said_sd=float(np.sqrt(variance)) * own.deviation,
                     unit=_unit(own),

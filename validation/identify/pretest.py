@@ -39,9 +39,6 @@ FMD = "fmd"
 
 NO_TARE = "none"
 
-TARE = "fmd+disc+cuboid"
-"""The paper's."""
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PretestOptions:

@@ -239,8 +239,6 @@ def in_tolerances(many: float | None, before: str = "") -> str:
 DEFAULT_ARTICLES = ("cuboid", "disc", "fmd", "clumod-1", "clumod-4")
 """The four articles of the paper, Clumod in both configurations."""
 
-REFERENCES = (PUBLISHED, MEASURED, *ROUTES)
-
 
 @dataclass(frozen=True, kw_only=True)
 class ArticleOptions:
@@ -341,7 +339,7 @@ def changes_note(name: str, asked: ArticleOptions) -> str:
 
 
 def reference(name: str, choice: str | None, asked: ArticleOptions, frame: Pose) -> tuple[str, Statement]:
-    """What a result about the article `name` is held against, seen from `frame`: `choice` of `REFERENCES`, and its name.
+    """What a result about the article `name` is held against, seen from `frame`, and its name.
 
     Without a choice it is the exact route, or the mesh where there is no other. A route's values carry the tolerance of the
     published values where there are any: the geometry was solved from these, and is not known better.

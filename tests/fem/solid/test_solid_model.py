@@ -69,9 +69,9 @@ def test_frequencies_fall_onto_the_beam_as_the_mesh_is_refined(
 
 
 def test_a_users_own_material_can_be_elastic(tmp_path: Path) -> None:
-    from geometry.cad import solid, write_step
+    from geometry.cad import solid
 
-    write_step(tmp_path / "plate.step", {"plate": solid(plate().parts[0])}, "own")
+    solid(plate().parts[0]).exportStep(str(tmp_path / "plate.step"))
     (tmp_path / "article.toml").write_text(
         'format = 1\n[[part]]\nname = "plate"\nfile = "plate.step"\nmaterial = "mine"\n[material.mine]\ndensity = "7850 kg/m^3"\n'
         'youngs_modulus = "207 GPa"\npoisson_ratio = 0.0\nloss_factor = 0.01\n',
@@ -83,9 +83,9 @@ def test_a_users_own_material_can_be_elastic(tmp_path: Path) -> None:
 
 
 def test_a_users_surface_mesh_is_refused_with_the_way_out(tmp_path: Path) -> None:
-    from geometry.cad import solid, write_stl
+    from geometry.cad import solid
 
-    write_stl(tmp_path / "plate.stl", solid(plate().parts[0]))
+    solid(plate().parts[0]).exportStl(str(tmp_path / "plate.stl"), 0.01, 0.1)
     own = user_article.load(tmp_path / "plate.stl", unit="mm", material="steel")
     with pytest.raises(BadInput, match="Export it from the CAD as STEP"):
         model.structure(own)

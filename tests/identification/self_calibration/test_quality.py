@@ -8,10 +8,11 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
+from geometry.inertia import PARAMETERS
 from identification import request
 from identification.plain import plain
 from identification.quality import impossible, quality
-from identification.request import PARAMETERS, Fact, Identified
+from identification.request import Fact, Identified
 from identification.self_calibration.fit import calibrated
 
 

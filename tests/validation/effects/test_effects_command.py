@@ -9,9 +9,9 @@ from collections.abc import Callable
 import pytest
 from rich.console import Console
 
+from tools import effects_page
 from validation.cli import main
 from validation.effects.catalogue import FAMILIES
-from validation.report import effects
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -76,9 +76,9 @@ def test_a_users_effects_are_listed_with_the_file_they_come_from(run, root):
 
 def test_the_page_of_the_catalogue_is_what_the_code_writes_and_its_example_is_about_thirty_lines(root, tmp_path):
     written = tmp_path / "effects.md"
-    subprocess.run([sys.executable, "-P", "-m", "validation.report.effects", str(written)], cwd=root, check=True)
-    again = "write it again: python -m validation.report.effects"
-    assert written.read_text(encoding="utf-8") == (root / effects.PAGE).read_text(encoding="utf-8"), again
+    subprocess.run([sys.executable, "-P", "-m", "tools.effects_page", str(written)], cwd=root, check=True)
+    again = "write it again: python -m tools.effects_page"
+    assert written.read_text(encoding="utf-8") == (root / effects_page.PAGE).read_text(encoding="utf-8"), again
     worst, found = runpy.run_path(str(root / "examples" / "own_effect.py"))["main"](Console(quiet=True))
     assert worst < 2e-3  # noise is off; the bilinear rule and the ends of a short sweep are left
     assert found == pytest.approx(1e-3, rel=0.02)

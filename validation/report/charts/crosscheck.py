@@ -91,7 +91,7 @@ def draw_errors(chart: spec.BarChart, path: Path) -> None:
     static.draw_bars(chart, path, size=(12.0, 6.4), room=room, legend=legend, thickness=0.62, further=1.12, lettering=8.5)
 
 
-def four_errors(found: Comparison, *, dark: bool = False) -> Figure:
+def four_errors(found: Comparison) -> Figure:
     """The errors alone, coloured by their verdicts, and what is expected as a line."""
     chart = errors_of(found, never_seen=True)
     panel, _ = chart.panels
@@ -102,7 +102,7 @@ def four_errors(found: Comparison, *, dark: bool = False) -> Figure:
     figure.rule(x=panel.limit, dash="dash", width=1.5)
     place: dict[str, Any] = {"x": panel.limit, "xref": "x", "xanchor": "left", "y": 1, "yref": "y domain", "yanchor": "bottom"}
     figure.note(text=f"expected: {panel.limit:.2g} %", **place)
-    return interactive.dressed(figure, "The errors of the model", 130 + 42 * len(one.rows), dark, margin={"t": 66})
+    return interactive.dressed(figure, "The errors of the model", 130 + 42 * len(one.rows), False, margin={"t": 66})
 
 
 def changes_of(
@@ -150,7 +150,7 @@ def draw_before_after(chart: spec.BarChart, path: Path) -> None:
     static.draw_bars(chart, path, size=(12.0, height), room=room, thickness=0.36 if chart.legend else 0.5)
 
 
-def before_and_after(before: Evaluation, after: Evaluation | None, *, dark: bool = False) -> Figure:
+def before_and_after(before: Evaluation, after: Evaluation | None) -> Figure:
     """The same side by side, on axes that begin at nothing."""
     chart = changes_of(before, after)
     titles = [chart.on_page.get(one.label, one.label) for one in chart.panels]
@@ -167,7 +167,7 @@ def before_and_after(before: Evaluation, after: Evaluation | None, *, dark: bool
     figure.rule(x=1.0, dash="dash", width=1.5, row=1, column=2)
     legend = interactive.legend_above(0.1) | {"traceorder": "normal"}
     margin = {"t": interactive.TITLE_ROOM + interactive.LEGEND_ROOM + 26, "b": 40}
-    return interactive.dressed(figure, chart.title, 350, dark, legend=legend, margin=margin)
+    return interactive.dressed(figure, chart.title, 350, False, legend=legend, margin=margin)
 
 
 MOST = 10

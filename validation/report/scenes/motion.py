@@ -195,7 +195,7 @@ def mode_sheet(
 ) -> None:
     """Write all of `modes` on one sheet, all seen from the same side and in the same scale.
 
-    A PNG carries the words `about`, which `validation.report.charts.static.said_about` reads again.
+    A PNG carries the words `about` as its comment.
 
     Parameters
     ----------
@@ -511,7 +511,7 @@ WORDS = {
 }
 """What is looked for, in words."""
 
-MEANS = "evidence over that of the best node"
+EVIDENCE_MEANS = "evidence over that of the best node"
 
 NOTE = "Each node as if it alone were looked at. Grey: explains nothing."
 
@@ -615,5 +615,5 @@ def draw_nodes(found: Sequence[NodeScores], path: Path) -> Path | None:
             )
     if not tiles:
         return None
-    mode_sheet("Everywhere on the mesh", tiles, path, NOTE, swing=0.0, means=MEANS)
+    mode_sheet("Everywhere on the mesh", tiles, path, NOTE, swing=0.0, means=EVIDENCE_MEANS)
     return path

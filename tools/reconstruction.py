@@ -10,16 +10,16 @@ The method is Gauss-Newton with the inertias as linearised equality constraints.
 the way, which bends the path at every crossing, so the steps are short and grow shorter, and a path that gets lost is begun again
 from a seeded start nearby.
 
-Run ``python -m validation.reference.reconstruction``; it writes ``geometry/articles/clumod.toml``, its comments and fixed
+Run ``python -m tools.reconstruction``; it writes ``geometry/articles/clumod.toml``, its comments and fixed
 details kept.
 """
 
 import copy
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import click
 import numpy as np
@@ -27,17 +27,13 @@ import tomlkit
 from rich.console import Console
 from rich.progress import Progress
 
-from fem.base_excitation.response import Response
 from fem.beam import articles
 from geometry.articles import parts
 from geometry.articles.parts import Dimensions, to_si
 from geometry.atomic import write_text
-from geometry.dynamic_mass import MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import CheckFailed
 from geometry.frames import Array
 from geometry.routes import inertia as drawn_inertia
-from identification.dynamic_mass import Estimate, from_runs
-from identification.spectra.line_spectra import full_record
 
 SHIPPED = Path(parts.__file__).with_name("clumod.toml")
 START = Path("..") / "shared" / "clumod" / "reconstruction.json"
@@ -276,71 +272,6 @@ def report(posed: Reconstruction, change: Array) -> str:
         lines.append(f"{len(blades)} blade(s): inertia off by {summary(blades, dimensions) - target}")
         lines.append(f"  frequencies {np.round(found, 3)} Hz, off by {np.round(100 * (found / modes - 1), 3)} %")
     return "\n".join(lines)
-
-
-# Closure: a model is shaken, and what is identified from the time histories must be the model again.
-#
-# Runs of a simulated test go the way of a measured one - spectra of whole records, Eqs. 10 and 11 - and end in a dynamic mass,
-# which is held against the one that the model has by itself, in the frequency domain. Nothing of the model is known on the way.
-
-
-BANDWIDTHS = 5.0
-"""A line is at a resonance when it lies within so many half-power half-widths zeta f of it."""
-
-Above = Literal["table", "cover"]
-"""What is taken for the base: the table, below the load cells, or the cover plate above them."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Deviation:
-    """How far a dynamic mass that was identified lies from the model's own, on the diagonal.
-
-    Attributes
-    ----------
-    off, at : (6,) largest share, axis by axis, off the resonances and at them; 0 where there is no such line
-    """
-
-    off: Array
-    at: Array
-
-    def by_axis(self) -> dict[str, tuple[float, float]]:
-        """Both by the name of the axis."""
-        return {name: (float(a), float(b)) for name, a, b in zip(MOTIONS, self.off, self.at, strict=True)}
-
-
-def identified(runs: Iterable[Response], lines: Array, base: Above = "table") -> Estimate:
-    """The dynamic mass of what stands on `base` from `runs`, one after the other, at `lines` (n,) [Hz].
-
-    Raises
-    ------
-    BadInput : lines beyond Nyquist, fewer than six runs, a base motion that none of them drives.
-    """
-    loads: list[ComplexArray] = []
-    motions: list[ComplexArray] = []
-    point = np.zeros(3)
-    for run in runs:
-        point = run.reference_point
-        loads.append(full_record(run.load, run.sampling_rate, lines))
-        motions.append(full_record(getattr(run, base), run.sampling_rate, lines))
-    return from_runs(np.array(loads), np.array(motions), lines, point)
-
-
-def deviation(found: DynamicMass, model: DynamicMass, frequency: Array, damping_ratio: Array) -> Deviation:
-    """Differences on the diagonal of `found` as shares of `model` at the same lines.
-
-    A share is of the entry itself, or of the one at the first line where that is larger, since an antiresonance is no reason to
-    divide by nothing.
-
-    Parameters
-    ----------
-    frequency, damping_ratio : (m,) [Hz], [1] of the modes of the blocked structure
-    """
-    H, lines = np.einsum("nkk->nk", model.matrix), model.frequency
-    scale = np.maximum(np.abs(H), np.abs(H[0]))
-    share = np.abs(np.einsum("nkk->nk", found.matrix) - H) / scale
-    near = np.abs(lines[:, None] - frequency) <= BANDWIDTHS * damping_ratio * frequency
-    resonant = near.any(axis=1)
-    return Deviation(off=share[~resonant].max(axis=0, initial=0.0), at=share[resonant].max(axis=0, initial=0.0))
 
 
 if __name__ == "__main__":
