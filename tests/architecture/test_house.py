@@ -15,7 +15,7 @@ from tools.pages import quoted
 
 BARS = {
     "product files": 328,
-    "product lines": 102_098,
+    "product lines": 102_122,
     "modules over 800 lines": 1,
     "import circles": 0,
     "packages of validation": 17,

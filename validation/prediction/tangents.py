@@ -169,13 +169,8 @@ def with_damping_law(
         if tangent.structural.any():
             parted = apart and not name.startswith("coupling:")
             lost = tangent.structural * tangent.entries(together) if parted else tangent.structural
-            viscous = tangent.entries(turning) * lost
-            viscous += tangent.viscous
-            found[name] = (
-                replace(tangent, structural=lost * tangent.entries(kept), viscous=viscous)
-                if share
-                else replace(tangent, structural=lost)
-            )
+            viscous = tangent.viscous + tangent.entries(turning) * lost
+            found[name] = replace(tangent, structural=lost * tangent.entries(kept), viscous=viscous)
     turned = within * matrices.structural
     if derivatives and DAMPING_LAW in laws:
         found[DAMPING_LAW] = of_arrays(len(W), viscous=turned, structural=-matrices.structural * own)
