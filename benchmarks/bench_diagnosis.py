@@ -18,10 +18,10 @@ import numpy as np
 from benchmarks.ratios import Timing, measure, show
 from geometry.frames import Array
 from identification.campaign import Campaign
+from validation.diagnose.candidate_fits import fit_with
 from validation.diagnose.candidates import candidates, screen
 from validation.diagnose.diagnose import diagnosed
 from validation.diagnose.diagnosis import Candidate
-from validation.diagnose.search import fit_with
 from validation.effects.catalogue import parse
 from validation.model.model import Model
 from validation.prediction.series import predictions

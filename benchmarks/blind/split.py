@@ -21,8 +21,8 @@ from benchmarks.blind.drawing.case import NULL, SERIES, SINGLE, Case
 from benchmarks.blind.drawing.draw import draw
 from benchmarks.blind.names import MODEL
 from benchmarks.blind.sealing import sealed
+from validation.diagnose.candidate_fits import fit_with
 from validation.diagnose.candidates import baseline, candidates, screen
-from validation.diagnose.search import fit_with
 from validation.effects.effect import evidence_threshold
 from validation.estimation.fit import nearby
 from validation.estimation.problem import FITTED, Problem

@@ -19,9 +19,9 @@ from benchmarks.blind.score.rates import rate
 from benchmarks.laboratories.__main__ import analyst
 from benchmarks.laboratories.shaking import Bench, Faults, series
 from geometry.errors import CheckFailed
+from validation.diagnose.candidate_fits import goodness_of_fit, recentred
 from validation.diagnose.diagnose import as_cause
 from validation.diagnose.diagnosis import Candidate
-from validation.diagnose.search import goodness_of_fit, recentred
 from validation.effects.catalogue import FAMILIES, Named
 from validation.estimation.fit import fit
 from validation.estimation.problem import FITTED

@@ -14,9 +14,9 @@ from tools.drawing import FLOORS, leads, upwards
 from tools.pages import quoted
 
 BARS = {
-    "product files": 328,
-    "product lines": 102_122,
-    "modules over 800 lines": 1,
+    "product files": 329,
+    "product lines": 102_154,
+    "modules over 800 lines": 0,
     "import circles": 0,
     "packages of validation": 17,
     "loose modules of validation": 3,
@@ -39,10 +39,10 @@ Files and lines: the issue on the house asked for at most 260 files and 77,000 l
              node of a structure on a base
    102,760   less: what examples and tests alone used still, and a second way to reduce a structure; more: open sections of a
              deck, springs to a fixture, losses that follow the modes as an effect turns them
-   102,098   less: the demo, the page of the catalogue and the solver of Clumod's dimensions, which only this repository runs, are
+   102,154   less: the demo, the page of the catalogue and the solver of Clumod's dimensions, which only this repository runs, are
              tools; fields, constants, parameters and writers that nothing of the product asks for
 
-The one module over 800 lines is the search, `validation/diagnose/search.py`; there were nine.
+No module has over 800 lines any more; nine had.
 The other bars are the same for old and new.
 """
 

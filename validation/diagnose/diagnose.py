@@ -21,12 +21,13 @@ from identification.campaign import Campaign
 from identification.quality import NORMAL_90
 from validation.compare.correlation import correlations
 from validation.diagnose import candidates, diagnosis, pendulum, search
+from validation.diagnose.candidate_fits import CandidateFit, GoodnessOfFit, goodness_of_fit
 from validation.diagnose.everywhere import elsewhere, found_nodes, kind_of, nodes_of, with_twins, without_a_name
 from validation.diagnose.landmark_search import FromAfar, line_fit
 from validation.diagnose.mistakes import mistakes
 from validation.diagnose.next_test import advised
 from validation.diagnose.nonlinear import differing_levels, nonlinear
-from validation.diagnose.search import CandidateFit, GoodnessOfFit, SearchStep, goodness_of_fit, placed_from_afar, stepwise_search
+from validation.diagnose.search import SearchStep, placed_from_afar, stepwise_search
 from validation.diagnose.unexplained import Explanation, described, unexplained
 from validation.effects import effect
 from validation.effects.catalogue import FAMILIES, code_of_families, parse

@@ -26,16 +26,8 @@ from geometry.errors import CheckFailed
 from geometry.frames import Array, Integers
 from identification.self_calibration.solve import inverse
 from validation.diagnose import unexplained_fit as fit
-from validation.diagnose.candidates import DAMPING, OCCAM, PER_OCTAVE, SAME_DIRECTION, band, has_lines
-from validation.diagnose.diagnosis import Candidate, FoundNode
-from validation.diagnose.search import (
-    FEW,
-    FITS_OF_A_STEP,
-    MOVES,
-    SCREENING_ERROR,
-    SCREENING_MARGIN,
+from validation.diagnose.candidate_fits import (
     CandidateFit,
-    SearchStep,
     can_restart,
     candidate_fit,
     fit_in_place,
@@ -44,8 +36,10 @@ from validation.diagnose.search import (
     over,
     ranked,
     restarted_from_priors,
-    worth,
 )
+from validation.diagnose.candidates import DAMPING, OCCAM, PER_OCTAVE, SAME_DIRECTION, band, has_lines
+from validation.diagnose.diagnosis import Candidate, FoundNode
+from validation.diagnose.search import FEW, FITS_OF_A_STEP, MOVES, SCREENING_ERROR, SCREENING_MARGIN, SearchStep, worth
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import INDISTINGUISHABLE_NATS, at_position, evidence_threshold, position
 from validation.estimation.fit import BREAKDOWNS, FLOOR

@@ -14,10 +14,10 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from identification import campaign_file
 from validation.diagnose import candidates
+from validation.diagnose.candidate_fits import fit_with, goodness_of_fit
 from validation.diagnose.candidates import baseline
 from validation.diagnose.diagnose import as_cause, diagnosed_once, ready
 from validation.diagnose.diagnosis import ANY, UNKNOWN, Diagnosis, EffectEstimate, headline
-from validation.diagnose.search import fit_with, goodness_of_fit
 from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import MISTAKE

@@ -8,7 +8,7 @@ import numpy as np
 
 from geometry.errors import BadInput
 from identification.campaign import Campaign
-from validation.diagnose.search import GoodnessOfFit, goodness_of_fit
+from validation.diagnose.candidate_fits import GoodnessOfFit, goodness_of_fit
 from validation.estimation.fit import fit
 from validation.estimation.problem import FITTED, Fit, Problem
 from validation.model.learnt import ANEW, Learnt, Offset, Spread

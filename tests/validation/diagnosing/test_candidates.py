@@ -13,11 +13,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from benchmarks.bench_scale import MODEL, campaign
-from validation.diagnose import candidates, search
+from validation.diagnose import candidate_fits, candidates
+from validation.diagnose.candidate_fits import CandidateFit, is_accepted
 from validation.diagnose.candidates import OCCAM, TINY, TINY_AT, band, baseline, detectable, screen, shape, share
 from validation.diagnose.diagnose import as_cause
 from validation.diagnose.diagnosis import Candidate, Screened, sized
-from validation.diagnose.search import CandidateFit, is_accepted
 from validation.effects.catalogue import parse
 from validation.effects.effect import Vocabulary, evidence_threshold
 from validation.estimation.problem import EFFECT, Parameter, Predicted
@@ -231,7 +231,7 @@ def beside(study: Study, id: str, size: float) -> tuple[Candidate, CandidateFit]
     there = with_effect(study, f"{id}={size}")
     start = baseline(there)
     added = Added(named=parse(f"{id}={size}", Vocabulary(places=None)))
-    return start, search.candidate_fit(start, search.fit_with(there, start, added))
+    return start, candidate_fits.candidate_fit(start, candidate_fits.fit_with(there, start, added))
 
 
 def test_a_spring_is_named_at_the_size_that_is_promised_and_at_none_where_none_is(table: Study) -> None:

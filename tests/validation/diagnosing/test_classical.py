@@ -17,6 +17,7 @@ from geometry.errors import BadInput
 from validation.classical.pendulum import rope_amplitude_factor, rope_pendulum
 from validation.classical.swing import Words, recorded, setup
 from validation.classical.swing import write as write_swing
+from validation.diagnose.candidate_fits import fit_with
 from validation.diagnose.candidates import candidates as menu_of
 from validation.diagnose.candidates import screen
 from validation.diagnose.classical import (
@@ -32,7 +33,6 @@ from validation.diagnose.classical import (
 )
 from validation.diagnose.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN, Candidate, Screened, SwingAnswer
 from validation.diagnose.pendulum import advised, against, contradictions, only_classical
-from validation.diagnose.search import fit_with
 from validation.effects.catalogue import FAMILIES, parse, parse_all
 from validation.effects.stages import PendulumSwing as Stage
 from validation.estimation.problem import Fit

@@ -15,7 +15,7 @@ from fem.structure import Structure, place_rows
 from fem.user_model import reading
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
-from validation.diagnose import candidates, diagnose, everywhere, search
+from validation.diagnose import candidate_fits, candidates, diagnose, everywhere, search
 from validation.diagnose.diagnose import diagnosed
 from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.everywhere import MeshSearch, elsewhere, found_nodes, with_twins, without_a_name
@@ -144,7 +144,7 @@ WRONG = f"point-mass:{at_position((0.24, 0.0, 0.24))}"
 def test_in_place_of_an_effect_its_own_node_brings_what_it_brought_and_a_size_is_told_between_those_that_are_asked(study):
     ready = study.ready_at([WRONG.partition(":")[2]])
     base = candidates.baseline(ready)
-    there = search.fit_with(ready, base, Added(named=parse(f"{WRONG}=0.01", ANYWHERE)))
+    there = candidate_fits.fit_with(ready, base, Added(named=parse(f"{WRONG}=0.01", ANYWHERE)))
     brought, own = base.fit.cost - there.fit.cost, there.effects[0].named.value
     (mesh,) = MeshSearch.in_place_of(ready, there, brought)
     node = int(np.argmin(np.linalg.norm(mesh.points - [0.24, 0.0, 0.24], axis=1)))
@@ -315,8 +315,8 @@ def test_a_mass_at_a_node_and_at_its_mirror_image_is_one_name_where_no_sensor_pa
     study = tabled(portal(tmp_path, 10), portal(tmp_path / "fine", 30), f"point-mass:{at_position(HIDDEN)}=0.03", sensors)
     ready = study.ready_at([at_position(HIDDEN)])
     base = candidates.baseline(ready)
-    at = search.fit_with(ready, base, Added(named=parse(f"point-mass:{at_position(HIDDEN)}=0.02", ANYWHERE)))
-    brought = search.candidate_fit(base, at)
+    at = candidate_fits.fit_with(ready, base, Added(named=parse(f"point-mass:{at_position(HIDDEN)}=0.02", ANYWHERE)))
+    brought = candidate_fits.candidate_fit(base, at)
     step = search.SearchStep(at=base, goodness=brought.goodness, screened=(), tried=(brought,), added=brought.id)
     data, end, more = with_twins(ready, at, [step])
     mirror = f"point-mass:{at_position((0.3 - HIDDEN[0], 0.0, HIDDEN[2]))}"
@@ -358,8 +358,8 @@ def test_twins_are_seen_from_the_fit_without_the_effect_too(portal, tmp_path, mo
     study = tabled(portal(tmp_path, 10), portal(tmp_path / "fine", 30), f"point-mass:{place}=0.03", "c:y c:z")
     ready = study.ready_at([place])
     base = candidates.baseline(ready)
-    at = search.fit_with(ready, base, Added(named=parse(f"point-mass:{place}=0.02", ANYWHERE)))
-    brought = search.candidate_fit(base, at)
+    at = candidate_fits.fit_with(ready, base, Added(named=parse(f"point-mass:{place}=0.02", ANYWHERE)))
+    brought = candidate_fits.candidate_fit(base, at)
     other = replace(brought, id="mass:lintel", evidence=brought.evidence - 2.0)
     step = search.SearchStep(at=base, goodness=brought.goodness, screened=(), tried=(brought, other), added=brought.id)
     monkeypatch.setattr(MeshSearch, "in_place_of", lambda *asked: ())
@@ -409,7 +409,7 @@ def test_what_an_effect_brings_beside_another_is_told_against_a_fit_that_was_not
     whole = nearby(problem, FITTED, problem.start)
     given_up, ended = (nearby(left, FITTED, whole.by_name, worth=worth) for worth in (whole.cost + 20.0, np.inf))
     rest = Candidate(effects=both[:1], fit=given_up, problem=left)
-    there = search.candidate_fit(rest, Candidate(effects=both, fit=whole, problem=problem))
+    there = candidate_fits.candidate_fit(rest, Candidate(effects=both, fit=whole, problem=problem))
     step = search.SearchStep(at=rest, goodness=there.goodness, screened=(), tried=(there,), added=there.id)
     assert (given_up.converged, ended.cost < given_up.cost - 10.0) == (False, True)
     assert step.evidence == pytest.approx(whole.log_evidence - ended.log_evidence, abs=0.5)

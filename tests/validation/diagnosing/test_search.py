@@ -13,7 +13,8 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import CheckFailed
 from validation.cli import main
-from validation.diagnose import diagnose, search
+from validation.diagnose import candidate_fits, diagnose, search
+from validation.diagnose.candidate_fits import ABSURD, CandidateFit, ranked
 from validation.diagnose.candidates import candidates, sizes
 from validation.diagnose.diagnosis import Candidate, FoundNode, Screened
 from validation.effects.catalogue import FAMILIES, parse
@@ -30,6 +31,12 @@ LOUD = tuple(
     f"{family}:{target}=0.1" for family in ("force-gain", "force-delay", "force-highpass") for target in ("fmd-z1", "fmd-z2")
 )
 """Of no structure."""
+
+
+def in_place(monkeypatch: pytest.MonkeyPatch, name: str, other: object) -> None:
+    """`other` in place of what is called `name`, in the search and in the fits that it asks for."""
+    for module in (search, candidate_fits):
+        monkeypatch.setattr(module, name, other, raising=False)
 
 
 def screened(*texts: str, evidence: float = 100.0) -> list[Screened]:
@@ -70,11 +77,11 @@ def test_the_structure_is_asked_though_many_channels_promise_more():
     assert len(search._most_promising(leading)) == search.FITS_OF_A_STEP  # no more where it leads anyway
 
 
-def tried(text: str) -> search.CandidateFit:
+def tried(text: str) -> CandidateFit:
     """A fit that ended there."""
     nobody: Any = None
     hypothesis = Candidate(effects=(Added(named=parse(text)),), fit=nobody, problem=nobody)
-    return search.CandidateFit(id=hypothesis.effects[0].named.id, candidate=hypothesis, evidence=100.0, goodness=nobody)
+    return CandidateFit(id=hypothesis.effects[0].named.id, candidate=hypothesis, evidence=100.0, goodness=nobody)
 
 
 def test_one_oscillator_under_two_names_is_fitted_under_both_at_the_sizes_of_the_first():
@@ -105,18 +112,18 @@ def test_the_rivals_of_a_resonator_stand_at_other_places_too_and_are_asked_once_
 
 def test_of_two_fits_of_one_candidate_the_better_counts():
     first, second, other = ended(MASSES[0], 10.0), ended(MASSES[0], 30.0), ended(MASSES[1], 20.0)
-    assert search.ranked([first, second, other]) == [second, other]
+    assert ranked([first, second, other]) == [second, other]
 
 
 def test_a_place_without_a_name_must_be_better_by_what_it_cost_to_have_looked_for_it():
     """69 % more of a rib was told as 0.14 kg at one of hundreds of nodes, 2.5 nats better, which chance is worth as well."""
     named, node = ended(MASSES[0], 37.3), replace(ended(MASSES[1], 39.8), looked=4.4)
-    tried = search.ranked([node, named])
+    tried = ranked([node, named])
     assert tried == [named, node]
     assert replace(a_round([]), tried=tuple(tried)).indistinguishable == (named, node)
-    assert search.ranked([named, replace(node, looked=1.0)])[0].id == node.id
+    assert ranked([named, replace(node, looked=1.0)])[0].id == node.id
     tie = replace(node, evidence=37.301)  # one name, whatever it cost
-    assert [one.evidence for one in search.ranked([named, tie])] == [one.evidence for one in search.ranked([tie, named])]
+    assert [one.evidence for one in ranked([named, tie])] == [one.evidence for one in ranked([tie, named])]
 
 
 def test_a_fit_is_worth_its_end_where_it_may_be_the_best_or_a_rival_of_it():
@@ -135,7 +142,7 @@ def test_names_that_tie_to_the_last_digit_are_one_name_whichever_way_rounding_fe
         ended("point-mass:top=0.3", 99.7),
     )
     for first, second in ((one, other), (replace(one, evidence=99.999), replace(other, evidence=100.0))):
-        tried = search.ranked([near, first, second])
+        tried = ranked([near, first, second])
         assert [each.id for each in tried] == [other.id, one.id, near.id]
         step = replace(a_round([]), tried=tuple(tried), added=other.id)
         assert step.same_as(other.id) == (one.id,)
@@ -161,7 +168,7 @@ def test_a_resonator_that_left_the_band_gives_way_to_springs_and_masses():
     assert [one.id for one in kept] == [there.id, *instead]
     assert told == (gone.id,)
     assert asked == [ids(found), instead]
-    assert search.in_band(BAND, tried("cable:mast-top:lateral=5000"))  # no resonator: it stays wherever it ends
+    assert candidate_fits.in_band(BAND, tried("cable:mast-top:lateral=5000"))  # no resonator: it stays wherever it ends
     assert search._fits_in_band(BAND, found, lambda some: [there]) == ([there], ())
 
 
@@ -169,12 +176,16 @@ def stands(null: bool) -> Any:
     return SimpleNamespace(null=null, largest=0.0)
 
 
-def ended(text: str, evidence: float, null: bool = False) -> search.CandidateFit:
+def ended(text: str, evidence: float, null: bool = False) -> CandidateFit:
     return replace(tried(text), evidence=evidence, goodness=stands(null))
 
 
 def unstuck(
-    monkeypatch: pytest.MonkeyPatch, of: Sequence[search.CandidateFit], promises: Sequence[float], gain: float, null: bool = False
+    monkeypatch: pytest.MonkeyPatch,
+    of: Sequence[CandidateFit],
+    promises: Sequence[float],
+    gain: float,
+    null: bool = False,
 ) -> Any:
     """What comes of fits of such promises where a fit afresh ends `gain` [nats] off each; and which were."""
     found = [replace(screened(f"{one.id}=1")[0], evidence=promise) for one, promise in zip(of, promises, strict=True)]
@@ -184,8 +195,8 @@ def unstuck(
         asked.append(added.named.id)
         return added.named.id
 
-    monkeypatch.setattr(search, "restarted_from_priors", again)
-    monkeypatch.setattr(search, "candidate_fit", lambda at, id: replace(by_id[id], evidence=by_id[id].evidence + gain))
+    in_place(monkeypatch, "restarted_from_priors", again)
+    in_place(monkeypatch, "candidate_fit", lambda at, id: replace(by_id[id], evidence=by_id[id].evidence + gain))
     best_first = search._restarted_where_stuck(BAND, HERE, stands(null), of, found, lambda what, share: None)
     return best_first, asked
 
@@ -205,14 +216,14 @@ def test_what_kept_less_than_half_of_the_best_promise_is_tried_afresh_and_taken_
     assert (asked, [one.evidence for one in worse]) == ([fits[0].id], [40.0])
 
 
-@pytest.mark.parametrize(("largest", "afresh"), [(search.ABSURD + 0.1, True), (search.ABSURD - 0.1, False)])
+@pytest.mark.parametrize(("largest", "afresh"), [(ABSURD + 0.1, True), (ABSURD - 0.1, False)])
 def test_resonators_are_tried_afresh_where_tolerances_stand_absurdly_far_off(monkeypatch, largest, afresh):
     of, right = ended(MASSES[0], 39.0), Added(named=parse("absorber:mast-top=m:0.005,f:11.6,zeta:0.02"))
     found = [replace(screened(MASSES[0])[0], evidence=0.0)]
     named = replace(of, id=right.named.id, evidence=494.0, candidate=SimpleNamespace(effects=(right,)))
     monkeypatch.setattr(search, "_resonators_at_home", lambda bench, at, told: [right])
-    monkeypatch.setattr(search, "restarted_from_priors", lambda bench, at, added, **_: added)
-    monkeypatch.setattr(search, "candidate_fit", lambda at, there: named)
+    in_place(monkeypatch, "restarted_from_priors", lambda bench, at, added, **_: added)
+    in_place(monkeypatch, "candidate_fit", lambda at, there: named)
     here: Any = SimpleNamespace(null=False, largest=largest)
     some: Any = search._restarted_where_stuck(BAND, HERE, here, [of], found, lambda what, share: None)
     assert [one.id for one in some] == [right.named.id, of.id][not afresh :]
@@ -229,9 +240,9 @@ def test_beside_a_table_of_modes_no_resonator_is_tried_afresh_however_far_tolera
     of, nobody = ended(MASSES[0], 39.0), SimpleNamespace(problem=SimpleNamespace(parameters=()))
     at: Any = Candidate(effects=(), fit=replace(fitted(), parameters=()), problem=nobody.problem)
     found = [replace(screened(MASSES[0])[0], evidence=0.0)]
-    monkeypatch.setattr(search, "restarted_from_priors", lambda bench, at, added, **_: added)
+    in_place(monkeypatch, "restarted_from_priors", lambda bench, at, added, **_: added)
     tables: Any = SimpleNamespace(made=(), tests=())  # a fit of resonators would ask for a problem
-    here: Any = SimpleNamespace(null=False, largest=search.ABSURD + 0.1)
+    here: Any = SimpleNamespace(null=False, largest=ABSURD + 0.1)
     some = search._restarted_where_stuck(tables, at, here, [of], found, lambda what, share: None)
     assert [one.id for one in some] == [of.id]
 
@@ -246,8 +257,8 @@ def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch, here
 
 
 def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_asks_for_less(monkeypatch):
-    monkeypatch.setattr(search, "fit_with", lambda bench, at, added, **_: added.named.id)
-    monkeypatch.setattr(search, "candidate_fit", lambda at, id: ended(f"{id}=0.1", 1.0))
+    in_place(monkeypatch, "fit_with", lambda bench, at, added, **_: added.named.id)
+    in_place(monkeypatch, "candidate_fit", lambda at, id: ended(f"{id}=0.1", 1.0))
     found = screened("structural-damping:mast=0.02", "force-gain:fmd-z2=0.02", evidence=15.0)
     assert (
         evidence_threshold("structural-damping") - search.NULL_MARGIN
@@ -274,11 +285,11 @@ def test_what_was_fitted_beside_other_places_of_a_mesh_is_fitted_from_where_that
         begun[added.named.id] = (begin, added.named.value)
         return added.named.id
 
-    monkeypatch.setattr(search, "fit_with", fitted_from)
-    monkeypatch.setattr(search, "candidate_fit", lambda at, id: ended(f"{id}=0.1", 1.0))
-    monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: SimpleNamespace(null=False, misfit=1.0))
+    in_place(monkeypatch, "fit_with", fitted_from)
+    in_place(monkeypatch, "candidate_fit", lambda at, id: ended(f"{id}=0.1", 1.0))
+    in_place(monkeypatch, "goodness_of_fit", lambda fit, problem: SimpleNamespace(null=False, misfit=1.0))
     monkeypatch.setattr(search, "screen", lambda bench, at, menu: screened(*MASSES[:2], evidence=30.0))
-    monkeypatch.setattr(search, "in_band", lambda bench, one: True)
+    in_place(monkeypatch, "in_band", lambda bench, one: True)
     monkeypatch.setattr(search, "_restarted_where_stuck", lambda bench, at, here, tried, found, progress: tried)
     monkeypatch.setattr(search, "_rivals", lambda tried, menu, found, again: [])
     nobody: Any = None
@@ -294,14 +305,14 @@ def test_what_was_fitted_beside_other_places_of_a_mesh_is_fitted_from_where_that
 def test_a_rival_that_keeps_less_than_half_of_the_best_is_fitted_from_where_that_ended(monkeypatch, straight, again, kept):
     best, rival = ended(MASSES[0], 100.0), Added(named=parse(MASSES[1]))
     promised = screened(MASSES[0])
-    monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: SimpleNamespace(null=True, misfit=1.0))
+    in_place(monkeypatch, "goodness_of_fit", lambda fit, problem: SimpleNamespace(null=True, misfit=1.0))
     monkeypatch.setattr(search, "screen", lambda bench, at, menu: promised)
     monkeypatch.setattr(search, "_fits_in_band", lambda bench, found, fits: ([best], ()))
-    monkeypatch.setattr(search, "is_significant", lambda of: True)
+    in_place(monkeypatch, "is_significant", lambda of: True)
     monkeypatch.setattr(search, "_rivals", lambda tried, menu, found, *, again: [rival])
-    monkeypatch.setattr(search, "fit_with", lambda bench, at, added, **_: straight)
-    monkeypatch.setattr(search, "fit_in_place", lambda bench, best, at, added, **_: again)
-    monkeypatch.setattr(search, "candidate_fit", lambda at, evidence: ended(MASSES[1], evidence))
+    in_place(monkeypatch, "fit_with", lambda bench, at, added, **_: straight)
+    in_place(monkeypatch, "fit_in_place", lambda bench, best, at, added, **_: again)
+    in_place(monkeypatch, "candidate_fit", lambda at, evidence: ended(MASSES[1], evidence))
     step = search._step(HERE, HERE, [rival], lambda what, share: None)
     assert [(one.id, one.evidence) for one in step.tried] == [(best.id, 100.0), (rival.named.id, kept)]
 
@@ -340,8 +351,7 @@ def hypothesis(*effect_ids: str, evidence: float) -> Candidate:
 def found(*brought: tuple[str, float], at: Candidate) -> search.SearchStep:
     """A round from `at` that tried these, the best first, and took that."""
     tried = tuple(
-        search.CandidateFit(id=id, candidate=hypothesis(id, evidence=nats), evidence=nats, goodness=STANDS)
-        for id, nats in brought
+        CandidateFit(id=id, candidate=hypothesis(id, evidence=nats), evidence=nats, goodness=STANDS) for id, nats in brought
     )
     return search.SearchStep(at=at, goodness=NOBODY, screened=(), tried=tried, added=tried[0].id)
 
@@ -365,12 +375,12 @@ def asked(
         rest = [one.named.id for one in of.effects]
         return hypothesis(*rest, evidence=worth[tuple(sorted(rest))])
 
-    monkeypatch.setattr(search, "nearby", lambda problem, free, offsets, **_: None)
-    monkeypatch.setattr(search, "recentred", without)
-    monkeypatch.setattr(search, "fit_in_place", instead)
-    monkeypatch.setattr(search, "is_significant", lambda of: True)
-    monkeypatch.setattr(search, "in_band", lambda bench, one: one.id != GONE)
-    monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: STANDS)
+    in_place(monkeypatch, "nearby", lambda problem, free, offsets, **_: None)
+    in_place(monkeypatch, "recentred", without)
+    in_place(monkeypatch, "fit_in_place", instead)
+    in_place(monkeypatch, "is_significant", lambda of: True)
+    in_place(monkeypatch, "in_band", lambda bench, one: one.id != GONE)
+    in_place(monkeypatch, "goodness_of_fit", lambda fit, problem: STANDS)
     _, ended, more = search.backward_elimination(BENCH, at, before, lambda what, share: None, elsewhere)
     return ended, more, fitted
 
@@ -473,7 +483,7 @@ def test_what_has_nothing_to_be_held_against_stays(monkeypatch):
     def breaks(problem, free, offsets, **_):
         raise CheckFailed("the model breaks down")
 
-    monkeypatch.setattr(search, "nearby", breaks)
+    in_place(monkeypatch, "nearby", breaks)
     at = hypothesis(HUB, BLADE, evidence=5330.0)
     assert search.backward_elimination(BENCH, at, TWO, lambda what, share: None) == (BENCH, at, ())
 
@@ -504,7 +514,7 @@ def test_logarithms_count_from_the_sizes_of_the_models_that_they_go_to():
     old = (parameter("a", 2.0, True), parameter("b", 2.0, False), parameter("gone", 1.0, True))
     fit: Any = SimpleNamespace(parameters=old, offsets=np.array([0.1, 0.2, 0.3]))
     problem: Any = SimpleNamespace(by_name={"a": parameter("a", 4.0, True), "b": parameter("b", 2.0, False)})
-    assert search._offsets_in(problem, fit) == pytest.approx({"a": 0.1 - log(2), "b": 0.2})
+    assert candidate_fits._offsets_in(problem, fit) == pytest.approx({"a": 0.1 - log(2), "b": 0.2})
 
 
 TORSION, SIZE = "joint-compliance:torsion", 1.8e-5
@@ -538,13 +548,13 @@ def torsion(soft) -> Added:
 @pytest.fixture(scope="module")
 def stuck(soft, paid, torsion) -> Candidate:
     """The effect added where the tolerances stand."""
-    return search.fit_with(soft, paid, torsion)
+    return candidate_fits.fit_with(soft, paid, torsion)
 
 
 @pytest.fixture(scope="module")
 def restarted(soft, paid, torsion) -> Candidate:
     """The effect added from where they are declared."""
-    return search.restarted_from_priors(soft, paid, torsion)
+    return candidate_fits.restarted_from_priors(soft, paid, torsion)
 
 
 @pytest.mark.proof  # two long diagnoses; test_laboratories.py names a layer's loss in short
@@ -598,7 +608,7 @@ def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(soft, paid):
 @pytest.mark.proof
 def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft, restarted):
     mast = next(one for one in candidates(soft, only=["modulus"]) if one.named.id == "modulus:mast")
-    both = search.restarted_from_priors(soft, restarted, mast)
+    both = candidate_fits.restarted_from_priors(soft, restarted, mast)
     assert [one.named.id for one in both.effects] == [TORSION, "modulus:mast"]
     assert both.effects[0].named.values[""] == pytest.approx(SIZE, rel=0.03)
     assert abs(both.effects[1].named.values[""]) < 0.05
@@ -607,15 +617,15 @@ def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft, re
 
 @pytest.mark.proof
 def test_tolerances_that_come_home_never_cost_more_and_keep_what_was_found(soft, paid, restarted):
-    again = search.restarted_from_priors(soft, restarted)
+    again = candidate_fits.restarted_from_priors(soft, restarted)
     assert again.fit.cost <= restarted.fit.cost + 1e-6
     assert again.effects[-1].named.values[""] == pytest.approx(SIZE, rel=0.03)
-    assert search.restarted_from_priors(soft, paid).fit.cost <= paid.fit.cost + 1e-6
+    assert candidate_fits.restarted_from_priors(soft, paid).fit.cost <= paid.fit.cost + 1e-6
 
 
 @pytest.mark.proof
 def test_from_home_a_size_that_had_not_come_through_does(soft, stuck):
-    assert search.restarted_from_priors(soft, stuck).fit.cost < stuck.fit.cost - 1000
+    assert candidate_fits.restarted_from_priors(soft, stuck).fit.cost < stuck.fit.cost - 1000
 
 
 def test_sizes_grow_by_half_octaves_about_what_is_plausible_within_bounds():
@@ -654,7 +664,7 @@ def test_of_a_logarithm_sizes_lie_a_factor_of_two_apart_at_most_as_far_as_bounds
     ],
 )
 def test_effects_of_one_size_that_is_fitted_have_such_a_way(text, fixed, there):
-    assert search.can_restart(Added(named=parse(text), fixed=fixed)) is there
+    assert candidate_fits.can_restart(Added(named=parse(text), fixed=fixed)) is there
 
 
 FREEDOM, COUNT = 5000, 100
@@ -682,7 +692,7 @@ def noisy(monkeypatch) -> Any:
     """A problem whose likelihood allows for noise and as much again of a floor."""
     noise = np.ones((1, 4, 2))
     seen = SimpleNamespace(noise=noise, floor=noise / FLOOR)
-    monkeypatch.setattr("validation.diagnose.search.observed", lambda measured, lines: seen)
+    monkeypatch.setattr("validation.diagnose.candidate_fits.observed", lambda measured, lines: seen)
     return SimpleNamespace(predictions=(of_spread(0.0),), lines_of=lambda one: None)
 
 
@@ -697,18 +707,18 @@ def one_far(z: float) -> np.ndarray:
 
 
 def test_the_misfit_of_a_null_is_the_share_of_noise_and_an_estimate_of_the_noise_widens_its_limit(noisy):
-    assert_allclose(search.goodness_of_fit(fitted(), noisy).limit, 0.53, rtol=1e-12)  # 3 sd of 2 % each
+    assert_allclose(candidate_fits.goodness_of_fit(fitted(), noisy).limit, 0.53, rtol=1e-12)  # 3 sd of 2 % each
     # Half of the variance is noise, estimated to 20 % at every line.
     noisy.predictions = (of_spread(0.0, 0.2),)
     estimates = 1 + 0.2 * np.random.default_rng(1).standard_normal(1_000_000)
     drawn = np.mean(1 / (estimates + 1)) / np.mean(estimates / (estimates + 1))
-    noise_alone = search.goodness_of_fit(fitted(), noisy).limit / (1 + search.SCATTER * np.sqrt(2 / FREEDOM))
+    noise_alone = candidate_fits.goodness_of_fit(fitted(), noisy).limit / (1 + candidate_fits.SCATTER * np.sqrt(2 / FREEDOM))
     assert_allclose(noise_alone / 0.5, drawn, rtol=1e-3)
     # Two data sets of one size: 3 % and 4 % of each are 2.5 % of both.
     noisy.predictions = (of_spread(0.03), of_spread(0.04))
     assert_allclose(
-        search.goodness_of_fit(fitted(), noisy).limit,
-        0.5 * (1 + search.SCATTER * np.hypot(np.sqrt(2 / FREEDOM), 0.025)),
+        candidate_fits.goodness_of_fit(fitted(), noisy).limit,
+        0.5 * (1 + candidate_fits.SCATTER * np.hypot(np.sqrt(2 / FREEDOM), 0.025)),
         rtol=1e-12,
     )
 
@@ -716,17 +726,17 @@ def test_the_misfit_of_a_null_is_the_share_of_noise_and_an_estimate_of_the_noise
 def test_a_class_that_admits_a_discrepancy_is_judged_by_replicated_data(noisy):
     """Residuals of the whole variance, half of it noise, come to chi² = 1 on average, and stay below the limit."""
     noisy.predictions = (of_spread(0.0, discrepancy=1.0),)
-    limit = search.goodness_of_fit(fitted(), noisy).limit
+    limit = candidate_fits.goodness_of_fit(fitted(), noisy).limit
     replicated = np.random.default_rng(3).chisquare(FREEDOM, 2000) / FREEDOM
     assert np.mean(replicated) == pytest.approx(1.0, rel=1e-2)
     assert 0.995 < np.mean(replicated <= limit) < 1.0
     noisy.predictions = (of_spread(0.0),)
-    assert search.goodness_of_fit(fitted(), noisy).limit < 0.6
+    assert candidate_fits.goodness_of_fit(fitted(), noisy).limit < 0.6
 
 
 def test_a_fit_within_noise_that_pays_what_is_due_is_that_of_a_null(noisy):
     of = fitted(misfit=0.49)
-    found = search.goodness_of_fit(of, noisy)
+    found = candidate_fits.goodness_of_fit(of, noisy)
     assert found.null
     assert found.text == ""
     assert_allclose(found.prior_penalty, COUNT / expected_z2(of), rtol=1e-12)
@@ -735,8 +745,8 @@ def test_a_fit_within_noise_that_pays_what_is_due_is_that_of_a_null(noisy):
 
 
 def test_misfit_alone_refuses(noisy):
-    limit = search.goodness_of_fit(fitted(), noisy).limit
-    below, above = (search.goodness_of_fit(fitted(misfit=factor * limit), noisy) for factor in (0.999, 1.001))
+    limit = candidate_fits.goodness_of_fit(fitted(), noisy).limit
+    below, above = (candidate_fits.goodness_of_fit(fitted(misfit=factor * limit), noisy) for factor in (0.999, 1.001))
     assert (below.null, above.null) == (True, False)
     assert above.text.startswith("chi² per degree of freedom")
     assert ";" not in above.text
@@ -746,14 +756,16 @@ def test_price_alone_refuses(noisy):
     """Every tolerance a little too far, none of them by much."""
     from scipy.stats import chi2
 
-    z = np.sqrt(chi2.isf(search.UNLIKELY, 0.99 * COUNT) / COUNT)
-    below, above = (search.goodness_of_fit(fitted(misfit=0.4, z=np.full(COUNT, factor * z)), noisy) for factor in (0.999, 1.001))
+    z = np.sqrt(chi2.isf(candidate_fits.UNLIKELY, 0.99 * COUNT) / COUNT)
+    below, above = (
+        candidate_fits.goodness_of_fit(fitted(misfit=0.4, z=np.full(COUNT, factor * z)), noisy) for factor in (0.999, 1.001)
+    )
     assert (below.null, above.null) == (True, False)
     assert above.largest < 2
     assert above.text.startswith("the prior penalty of the tolerances is")
-    due, of = search.goodness_of_fit(fitted(misfit=0.4), noisy), np.sqrt(np.array([155.0, 165.0]) / COUNT)
+    due, of = candidate_fits.goodness_of_fit(fitted(misfit=0.4), noisy), np.sqrt(np.array([155.0, 165.0]) / COUNT)
     assert due.null
-    assert [search.goodness_of_fit(fitted(misfit=0.4, z=np.full(COUNT, one)), noisy).null for one in of] == [
+    assert [candidate_fits.goodness_of_fit(fitted(misfit=0.4, z=np.full(COUNT, one)), noisy).null for one in of] == [
         True,
         False,
     ]  # 1 in 10,000
@@ -762,12 +774,12 @@ def test_price_alone_refuses(noisy):
 
 def test_one_tolerance_alone_refuses_and_everything_that_refuses_is_said(noisy):
     below, above = (
-        search.goodness_of_fit(fitted(misfit=0.4, z=one_far(-factor * search.ABSURD)), noisy) for factor in (0.999, 1.001)
+        candidate_fits.goodness_of_fit(fitted(misfit=0.4, z=one_far(-factor * ABSURD)), noisy) for factor in (0.999, 1.001)
     )
     assert (below.null, above.null) == (True, False)
-    assert above.likely > search.UNLIKELY
+    assert above.likely > candidate_fits.UNLIKELY
     assert above.text.startswith("a tolerance is moved by 4.8 of its")
-    found = search.goodness_of_fit(fitted(misfit=2.0, z=np.full(COUNT, 6.0)), noisy)
+    found = candidate_fits.goodness_of_fit(fitted(misfit=2.0, z=np.full(COUNT, 6.0)), noisy)
     assert found.text.count(";") == 2
     assert not found.null
 
@@ -784,10 +796,10 @@ def test_what_breaks_down_over_more_coordinates_wherever_it_begins_stays_where_i
     bench.over = lambda reduced_anew: bench
     at = hypothesis("point-mass:mast-top", evidence=10.0)
     at = replace(at, effects=tuple(replace(one, named=replace(one.named, targets=("@0,0,1",))) for one in at.effects))
-    monkeypatch.setattr(search, "nearby", breaks)
-    monkeypatch.setattr(search, "_declared", lambda problem, fit: {})
+    in_place(monkeypatch, "nearby", breaks)
+    monkeypatch.setattr(candidate_fits, "declared", lambda problem, fit: {})
     assert search._finished(bench, at) == (bench, at)
-    there = search.CandidateFit(id=at.effects[0].named.id, candidate=at, evidence=10.0, goodness=STANDS)
+    there = CandidateFit(id=at.effects[0].named.id, candidate=at, evidence=10.0, goodness=STANDS)
     assert search._moved(bench, ALONE, there, lambda *_: ((ready, at.effects[0], 0.0),)) == (bench, there)
 
 
@@ -801,11 +813,11 @@ def test_what_breaks_down_over_more_coordinates_begins_there_where_tolerances_ar
             raise CheckFailed("it breaks down")
         return "a fit"
 
-    monkeypatch.setattr(search, "nearby", fitted_from)
-    monkeypatch.setattr(search, "_declared", lambda problem, fit: {"home": 0.0})
-    monkeypatch.setattr(search, "recentred", lambda data, of: of)
+    in_place(monkeypatch, "nearby", fitted_from)
+    monkeypatch.setattr(candidate_fits, "declared", lambda problem, fit: {"home": 0.0})
+    in_place(monkeypatch, "recentred", lambda data, of: of)
     far = Candidate(effects=(), fit=SimpleNamespace(by_name={"far": 9.0}), problem=None)
     wider = SimpleNamespace(problem=lambda effects: "over more")
-    assert search.over(wider, SimpleNamespace(), far).fit == "a fit"
+    assert candidate_fits.over(wider, SimpleNamespace(), far).fit == "a fit"
     assert begun == [{"far": 9.0}, {"home": 0.0}]
-    assert search.over(wider, wider, far) is far
+    assert candidate_fits.over(wider, wider, far) is far

@@ -11,7 +11,7 @@ from geometry.frames import Array
 from geometry.sensors import Point, Tolerances
 from identification.modal_table import SOUND_SHAPE, ModalTable, mac, paired
 from validation.compare import correlation
-from validation.diagnose.search import SCATTER, goodness_of_fit
+from validation.diagnose.candidate_fits import SCATTER, goodness_of_fit
 from validation.effects.catalogue import Named
 from validation.effects.stages import Matrices
 from validation.estimation.evaluate import evaluate
