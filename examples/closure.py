@@ -24,6 +24,7 @@ from fem.damping import Damping
 from fem.dynamic_mass import LINES
 from fem.exudyn import driven_run
 from fem.modes import Modes, fixed_base
+from geometry.dynamic_mass import MOTIONS
 from validation.output import counted
 from validation.reference.reconstruction import Deviation, deviation, identified
 
@@ -57,13 +58,14 @@ def main(console: Console, arguments: Sequence[str] = QUICK) -> None:
     article, (octaves, ratio, rate) = arguments[0], map(float, arguments[1:])
     rig, modes = model(article, ratio)
     ways = {"exudyn": driven_run.respond, "recursion": response.respond}
-    found = {name: closed(rig, modes, octaves, rate, way).by_axis() for name, way in ways.items()}
+    found = {name: closed(rig, modes, octaves, rate, way) for name, way in ways.items()}
     shown = Table(title=f"{article}: {octaves:g} octaves a minute, damping {ratio:.1%}, {rate:g} steps a second")
     shown.add_column("axis")
     for heading in (f"{way}, {where}" for way in ways for where in ("off resonance", "at resonance")):
         shown.add_column(heading, justify="right")
-    for axis in found["exudyn"]:
-        shown.add_row(axis, *(f"{share:.4%}" if share else "-" for way in ways for share in found[way][axis]))
+    for k, axis in enumerate(MOTIONS):
+        shares = (share[k] for of in found.values() for share in (of.off, of.at))
+        shown.add_row(axis, *(f"{share:.4%}" if share else "-" for share in shares))
     console.print(shown)
 
 

@@ -66,8 +66,7 @@ class Quality:
     covariance : (10, 10) of these
     intervals : (10, 2) low and high end of the 95 % interval of each
     shares : by input its share (10,) of the variance of `values`
-    dominant : by PARAMETER about F and by name in `QUANTITIES`, the input with the largest share
-    verdict : by the same names, in words
+    verdict : by PARAMETER about F and by name in `QUANTITIES`, in words
     bootstrap : by the same names, standard deviation of the block bootstrap as a share of that of `covariance`; empty without one
     """
 
@@ -76,7 +75,6 @@ class Quality:
     covariance: Array
     intervals: Array
     shares: Mapping[str, Array]
-    dominant: Mapping[str, str]
     verdict: Mapping[str, str]
     bootstrap: Mapping[str, float] = field(default_factory=dict)
 
@@ -136,7 +134,6 @@ def quality(identified: Identified, frame: Pose | None = None) -> Quality:
         covariance=covariance,
         intervals=np.stack([values - half, values + half], axis=1),
         shares=shares,
-        dominant={name: _dominant(share, k) for names, share, _ in judged for k, name in enumerate(names)},
         verdict={
             name: verdict(float(width[k]), share, k, identified, wider.get(name, 1.0))
             for names, share, width in judged
@@ -182,7 +179,7 @@ def verdict(width: float, shares: Mapping[str, Array], k: int, identified: Ident
     if wider > AGREE:
         told = verdict(wider * width, shares, k, identified)
         return f"{told}; that is the block bootstrap, {wider:.2g} times the printed interval: lines do not err independently"
-    most = _dominant(shares, k)
+    most = max(shares, key=lambda name: float(shares[name][k])) if shares else ""
     percent = f"±{100 * width:.2g} % of the size of the body"
     from_it = f", mostly from {most} ({100 * shares[most][k]:.0f} % of the variance)" if most else ""
     if identified.resonance is not None:
@@ -213,10 +210,6 @@ def _wider(identified: Identified, J: Array, names: Sequence[str]) -> dict[str, 
     own, drawn = (np.einsum("ij,jk,ik->i", J, C, J) for C in (identified.covariance, identified.resampled))
     ratio = np.sqrt(np.maximum(drawn, 0.0) / np.maximum(own, np.finfo(np.float64).tiny))
     return dict(zip(names, ratio.tolist(), strict=True))
-
-
-def _dominant(shares: Mapping[str, Array], k: int) -> str:
-    return max(shares, key=lambda name: float(shares[name][k])) if shares else ""
 
 
 # Combinations of parameters that no channel ever shows.

@@ -79,14 +79,12 @@ class Done:
     run : what was driven
     motion : of the table, as it was simulated
     response : at the output's rate
-    amplitudes : of a sweep; None where many frequencies are driven at once
     outcome : its figures
     """
 
     run: Run
     motion: BaseMotion
     response: Response
-    amplitudes: results.Amplitudes | None
     outcome: results.Outcome
 
 
@@ -180,7 +178,7 @@ class PreparedRuns:
             settings=response.settings,
             warnings=tuple(warnings),
         )
-        return Done(run=run, motion=motion, response=response, amplitudes=amplitudes, outcome=outcome)
+        return Done(run=run, motion=motion, response=response, outcome=outcome)
 
     def _rest(self, needed: float) -> float:
         """[s] of record after the drive; refuses one as long as a ringing that has no end, or none that could be recorded."""

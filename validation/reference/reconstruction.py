@@ -32,7 +32,7 @@ from fem.beam import articles
 from geometry.articles import parts
 from geometry.articles.parts import Dimensions, to_si
 from geometry.atomic import write_text
-from geometry.dynamic_mass import MOTIONS, ComplexArray, DynamicMass
+from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.errors import CheckFailed
 from geometry.frames import Array
 from geometry.routes import inertia as drawn_inertia
@@ -302,10 +302,6 @@ class Deviation:
 
     off: Array
     at: Array
-
-    def by_axis(self) -> dict[str, tuple[float, float]]:
-        """Both by the name of the axis."""
-        return {name: (float(a), float(b)) for name, a, b in zip(MOTIONS, self.off, self.at, strict=True)}
 
 
 def identified(runs: Iterable[Response], lines: Array, base: Above = "table") -> Estimate:
