@@ -326,6 +326,8 @@ def predictions(
         done = partial(lambda before, share: tell((before + share) / count), k)
         made = measured(campaign, of, name, band=band, method=method, lines=lines, progress=done)
         driven, stands = drives(campaign, made.method), mounted_article(model, campaign, float(made.measured.frequency[-1]))
+        unread = ", ".join(name for name in of.left_out if not any(name in said for said in stands.remarks))
+        why = f"not used: {unread}, which read no motion of cover plate, table or article, and no load of the FMD"
         tested = TestedCampaign(
             model=model,
             campaign=replace(campaign, recordings={}),
@@ -334,7 +336,7 @@ def predictions(
             drives=tuple(driven[run] for run in made.measured.runs),
             per_rms=per_rms(campaign, made.method),
             method=made.method,
-            remarks=made.remarks,
+            remarks=(why, *made.remarks) if unread else made.remarks,
         )
         found.append(SeriesPrediction(tested=tested, effects=model.effects))
     return tuple(found)
