@@ -62,7 +62,7 @@ def main(folder: Path, sheet: Path, names: Sequence[str] = (*NAMES, *SETUPS)) ->
 def contact_sheet(paths: Sequence[Path], path: Path, about: str = "") -> None:
     """Put the pictures at `paths` on one sheet, two abreast, in their order; the ending of `path` chooses PNG or JPEG.
 
-    A PNG carries the words `about`, which `validation.report.charts.static.said_about` reads again.
+    A PNG carries the words `about`, which `tools.pages.said_about` reads again.
 
     Raises
     ------

@@ -184,3 +184,13 @@ def anchor(heading: str) -> str:
 def title(page: Path) -> str:
     """The first heading of `page`."""
     return headings(page)[0]
+
+
+def said_about(path: Path) -> str:
+    """The words that a PNG was written with; empty without any."""
+    from PIL import Image
+
+    from validation.report.charts.static import ABOUT
+
+    with Image.open(path) as picture:
+        return str(picture.info.get(ABOUT, ""))

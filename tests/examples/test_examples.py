@@ -11,7 +11,7 @@ import pytest
 from rich.console import Console
 
 from geometry.articles import built_in
-from validation.report.charts.static import said_about
+from tools.pages import said_about
 
 
 def test_the_quickstart_prints_three_routes_that_agree_and_the_tare(root: Path) -> None:

@@ -14,7 +14,7 @@ import pytest
 from click.testing import CliRunner
 from numpy.testing import assert_allclose
 
-from validation.report.charts.static import said_about
+from tools.pages import said_about
 
 Names = dict[str, Any]
 MODULES = ("candidates", "exact", "forward", "inference", "menu", "pictures", "published", "reading", "story", "tables", "ways")

@@ -20,7 +20,7 @@ from numpy.testing import assert_allclose
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Pose
 from geometry.inertia import Inertia
-from validation.report.charts.static import said_about
+from tools.pages import said_about
 from validation.report.charts.style import AXES, MATERIALS, OTHERS, Label, arranged, colours
 from validation.report.scenes import scene
 

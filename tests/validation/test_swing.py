@@ -14,6 +14,7 @@ from fem.exudyn import rope_pendulum
 from fem.exudyn.rope_pendulum import Watch
 from geometry.errors import BadInput
 from geometry.inertia import Inertia
+from tools.pages import said_about
 from validation.classical import pendulum as classical_pendulum
 from validation.classical.files import read
 from validation.classical.pendulum import from_signal
@@ -31,7 +32,6 @@ from validation.classical.swing import (
     write,
 )
 from validation.reference.reference import ArticleOptions
-from validation.report.charts.static import said_about
 from validation.report.scenes import scene, setups
 
 # the article of physics.md: three ropes of 2 m at s = 0.3 m

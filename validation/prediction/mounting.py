@@ -268,8 +268,7 @@ def drawn_inertia(model: Model, article: str) -> Inertia:
 class _Recipe:
     """Everything that decides the matrices of an article; `stamp` tells a user's file from the same one rewritten.
 
-    `band` [Hz] is where tests of a user's own model end, `positions` are places of it by coordinates, `sensors` those that
-    accelerometers read, as far as they are on it.
+    `band` [Hz] is where tests of an own model end, `positions` are places of it by coordinates, `sensors` what pick-ups may read.
     """
 
     article: str

@@ -140,7 +140,7 @@ class Sheet:
 
 
 def draw_sheet(sheet: Sheet, path: Path, about: str = "") -> None:
-    """Write `sheet` as a picture. A PNG carries the words `about`, which `static.said_about` reads again.
+    """Write `sheet` as a picture. A PNG carries the words `about`, which `tools.pages.said_about` reads again.
 
     Raises
     ------

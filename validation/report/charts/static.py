@@ -45,14 +45,6 @@ ABOUT = "Comment"
 """The key of a PNG's own words."""
 
 
-def said_about(path: Path) -> str:
-    """The words that a PNG was written with; empty without any."""
-    from PIL import Image
-
-    with Image.open(path) as picture:
-        return str(picture.info.get(ABOUT, ""))
-
-
 def new_figure(width: float, height: float) -> Figure:
     """An empty page of so many inches."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg

@@ -223,7 +223,7 @@ def _names(figure: static.Figure, curves: Sequence[DynamicMassCurve]) -> None:
 def side_by_side(title: str, articles: Sequence[DynamicMassCurve], path: Path, note: str = "", about: str = "") -> None:
     """Write a picture with one column an article: diagonal of the translations [kg] and of the rotations [kg m²] over frequency.
 
-    A PNG carries the words `about`, which `validation.report.charts.style.said_about` reads again.
+    A PNG carries the words `about`, which `tools.pages.said_about` reads again.
 
     Raises
     ------

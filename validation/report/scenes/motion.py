@@ -195,7 +195,7 @@ def mode_sheet(
 ) -> None:
     """Write all of `modes` on one sheet, all seen from the same side and in the same scale.
 
-    A PNG carries the words `about`, which `validation.report.charts.static.said_about` reads again.
+    A PNG carries the words `about`, which `tools.pages.said_about` reads again.
 
     Parameters
     ----------

@@ -343,7 +343,7 @@ class DrawnSwing:
 def pendulum_picture(swing: DrawnSwing, path: Path, about: str = "") -> None:
     """Write the first instant of `swing` with its record below.
 
-    A PNG carries the words `about`, which `validation.report.charts.static.said_about` reads again.
+    A PNG carries the words `about`, which `tools.pages.said_about` reads again.
 
     Raises
     ------
