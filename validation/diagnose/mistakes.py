@@ -419,7 +419,7 @@ def _likelihood(every: Sequence[LowFrequencyReadings], c: int, d: int, factor: f
     """[nats] That channel c holds `factor` times what channel d should read."""
     found = 0.0
     for one in every:
-        variance = one.noise[:, c] ** 2 + (factor * OFF * one.level[:, d]) ** 2
+        variance = np.maximum(one.noise[:, c] ** 2 + (factor * OFF * one.level[:, d]) ** 2, 1e-30)  # no noise, factor 0
         off = np.abs(one.reading[:, c] - factor * one.expected[:, d]) ** 2
         found -= float(np.sum(off / variance + np.log(variance))) / one.lines
     return found

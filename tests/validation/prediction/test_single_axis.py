@@ -15,7 +15,7 @@ from validation.cli import main
 from validation.compare.maps import Rig
 from validation.diagnose.candidates import candidates
 from validation.diagnose.diagnosis import Candidate
-from validation.diagnose.mistakes import mistakes
+from validation.diagnose.mistakes import LowFrequencyReadings, _likelihood, mistakes
 from validation.diagnose.unexplained_fit import OF_SHARES, swallowing
 from validation.diagnose.unexplained_places import channels, crosstalk
 from validation.estimation.fit import fit
@@ -145,6 +145,22 @@ def test_without_load_cells_no_fmd_is_identified_and_what_stands_on_none_is_shak
     soft, rigid = (each.at({}, derivatives=False).rows[:, each.measured.channels.index("table-x1"), 0] for each in (of, alone))
     assert_allclose(rigid, 1.0, rtol=1e-12)
     assert np.abs(soft - 1).max() > 1e-3
+
+
+def test_a_channel_of_no_noise_that_is_held_against_one_that_reads_nothing_has_a_likelihood() -> None:
+    """The pick-up of a rigid base beside one across it: a diagnosis had ended in "invalid numeric entries"."""
+    nothing = np.zeros((4, 2))
+    one = LowFrequencyReadings(
+        name="z",
+        channels=("a", "b"),
+        quantities=("acceleration",) * 2,
+        lines=4,
+        reading=nothing + 1,
+        expected=nothing,
+        noise=nothing,
+        unsure=nothing,
+    )
+    assert np.isfinite(_likelihood([one], 0, 1, 0.0))
 
 
 def test_a_pick_up_on_the_flange_moves_with_the_flange(simulated, model):
