@@ -545,7 +545,6 @@ class Chain:
     parameters : that may move
     possible : names of every parameter that it could have, open or not
     left_out : names of channels of the table that the chain does not predict
-    remarks : sentences: what was left out and why, what was assumed of the load cells
     cover, table, article, forces : its parts
     springs : the load cells
 
@@ -558,7 +557,6 @@ class Chain:
     parameters: tuple[Parameter, ...]
     possible: tuple[str, ...]
     left_out: tuple[str, ...]
-    remarks: tuple[str, ...]
     cover: PickUps
     table: PickUps
     article: PickUps
@@ -694,25 +692,12 @@ def chain(
     first = len(cover) + len(below) + len(upon)
     forces = Loads(channels=tuple(table.channels[k] for k in force), first=first, sums=sums, springs=springs)
     candidates = _candidates(parts[0], parts[1], parts[2], forces, known, ASSUMED if stiffness is None else STATED)
-    left = [channel for k, channel in enumerate(table.channels) if k not in columns]
-    why = {
-        "sits on the structure, which is not rigid": [channel.name for channel in left if channel.group == "article"],
-        "measures no load of the FMD": [channel.name for channel in left if channel.group != "article"],
-    }
-    remarks = [f"not used: {', '.join(names)}; what {reason}, tells nothing here" for reason, names in why.items() if names]
-    if not springs.of_cells:
-        remarks.append("the force channels do not tell how cells share the load: their readings are taken for the resultants")
-    if below and stiffness is None:
-        remarks.append(
-            "the stiffness of the load cells is not stated: that of the reconstructed FMD is assumed, within a factor of five"
-        )
     return Chain(
         columns=columns,
         names=tuple(table.names[k] for k in columns),
         parameters=opened(candidates, overrides),
         possible=tuple(one.name for one in candidates),
-        left_out=tuple(channel.name for channel in left),
-        remarks=tuple(remarks),
+        left_out=tuple(channel.name for k, channel in enumerate(table.channels) if k not in columns),
         cover=parts[0],
         table=parts[1],
         article=parts[2],

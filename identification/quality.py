@@ -179,7 +179,7 @@ def verdict(width: float, shares: Mapping[str, Array], k: int, identified: Ident
     if wider > AGREE:
         told = verdict(wider * width, shares, k, identified)
         return f"{told}; that is the block bootstrap, {wider:.2g} times the printed interval: lines do not err independently"
-    most = _dominant(shares, k)
+    most = max(shares, key=lambda name: float(shares[name][k])) if shares else ""
     percent = f"±{100 * width:.2g} % of the size of the body"
     from_it = f", mostly from {most} ({100 * shares[most][k]:.0f} % of the variance)" if most else ""
     if identified.resonance is not None:
@@ -210,10 +210,6 @@ def _wider(identified: Identified, J: Array, names: Sequence[str]) -> dict[str, 
     own, drawn = (np.einsum("ij,jk,ik->i", J, C, J) for C in (identified.covariance, identified.resampled))
     ratio = np.sqrt(np.maximum(drawn, 0.0) / np.maximum(own, np.finfo(np.float64).tiny))
     return dict(zip(names, ratio.tolist(), strict=True))
-
-
-def _dominant(shares: Mapping[str, Array], k: int) -> str:
-    return max(shares, key=lambda name: float(shares[name][k])) if shares else ""
 
 
 # Combinations of parameters that no channel ever shows.

@@ -406,7 +406,10 @@ def _nastran(path: Path, left_out: LeftOut) -> _Raw:
         if kind in BEAMS:
             to, off = _beam_states(f, own, at, nodes, where)
             axes[tag] = to if to.any() else np.full(3, np.nan)
-            if any(f[8:10]):
+            if pins := "".join(f[8:10]).strip("0"):
+                if not re.fullmatch("[1-6]+", pins):
+                    problem = f"PA and PB of {card} {tag} are {f[8] or 'empty'} and {f[9] or 'empty'}"
+                    raise BadInput(source=str(path), field=card, problem=problem, remedy="Write freedoms from 1 to 6, as 456")
                 loose[tag] = np.array([LOOSE_AS[k] in f[8 + end] for end in (0, 1) for k in range(6)])
         else:
             first = 14 if kind == "quad8" else 2 + len(own)

@@ -15,7 +15,7 @@ from tools.pages import quoted
 
 BARS = {
     "product files": 329,
-    "product lines": 102_154,
+    "product lines": 102_171,
     "modules over 800 lines": 0,
     "import circles": 0,
     "packages of validation": 17,

@@ -300,8 +300,7 @@ def _csv(head: Sequence[str], rows: Iterable[Iterable[object]]) -> str:
     return text.getvalue()
 
 
-# Modes by the names that one speaks of them: the part that holds most of their strain energy, and their order among its
-# modes.
+# Modes by the names that one speaks of them: the part that holds most of their strain energy, and their order among its modes.
 
 
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")

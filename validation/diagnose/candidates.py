@@ -76,6 +76,9 @@ def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str
     """
     words, known = data.words, {one.named.id for one in data.model.effects}
     lines = any(has_lines(one) for one in (*data.made, *data.tests))
+    once = {word for wanted in only for word in wanted.split(":")}
+    once |= {name for one in (*data.made, *data.tests) if one.structure for name in one.structure.nominal.once}
+    words = replace(words, places=tuple(place for place in words.places or () if place in once))
     slanted = {name for one in data.campaigns for name in pilots(one)}
     acting: list[Added] = []
     for family in FAMILIES.values():

@@ -35,11 +35,10 @@ from validation.study import Study
 
 # What every channel of a campaign reads at its lowest lines, beside what all others and the model say it should read.
 #
-# There every structure is nearly a rigid body, so that the nominal model is right to some ten per cent, and a discrete mistake
-# is wrong by hundreds. What moved is estimated from whichever six channels let most of the others agree: a channel that is
-# wrong, or several, or all of one kind, then stands alone against the rest however wrong it is (random sample consensus,
-# Fischler & Bolles, Communications of the ACM 24 (1981), 381). How far a reading lies from what it should be is told without any
-# scale,
+# There every structure is nearly a rigid body, so that the nominal model is right to some ten per cent, and a discrete mistake is
+# wrong by hundreds. What moved is estimated from whichever six channels let most of the others agree: a channel that is wrong, or
+# several, or all of one kind, then stands alone against the rest however wrong it is (random sample consensus, Fischler & Bolles,
+# Communications of the ACM 24 (1981), 381). How far a reading lies from what it should be is told without any scale,
 #
 #     |y - p| / (|y| + |p|)     each line and run in units of what is usual there
 #
@@ -420,7 +419,7 @@ def _likelihood(every: Sequence[LowFrequencyReadings], c: int, d: int, factor: f
     """[nats] That channel c holds `factor` times what channel d should read."""
     found = 0.0
     for one in every:
-        variance = one.noise[:, c] ** 2 + (factor * OFF * one.level[:, d]) ** 2
+        variance = np.maximum(one.noise[:, c] ** 2 + (factor * OFF * one.level[:, d]) ** 2, 1e-30)  # no noise, factor 0
         off = np.abs(one.reading[:, c] - factor * one.expected[:, d]) ** 2
         found -= float(np.sum(off / variance + np.log(variance))) / one.lines
     return found

@@ -138,10 +138,9 @@ def _said(facts: Sequence[Fact], by: next_test_offers.Knowledge, names: Sequence
 
 # How far the wrong explanation can follow what the right one says a test would read: it is fitted to that.
 #
-# The linear forecast takes the derivatives where the fit of the present data ended. Where a resonance has moved by
-# more than its width they say nothing of what a fit would do. So the few tests that look best are gone through: by the same
-# descent as any fit, within the same bounds, with what the present data have told as knowledge beforehand, though only as far as
-# a forecast needs.
+# The linear forecast takes the derivatives where the fit of the present data ended. Where a resonance has moved by more than its
+# width they say nothing of what a fit would do. So the few tests that look best are gone through: by the same descent as any fit,
+# within the same bounds, with what the present data have told as knowledge beforehand, though only as far as a forecast needs.
 
 
 EVALUATIONS = 12

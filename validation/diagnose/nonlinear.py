@@ -343,8 +343,7 @@ def require_levels(data: Study, what: str) -> None:
 #
 #     a_c(f) = |y_c(f)| level / |u(f)|
 #
-# and undone by iteration: readings z that the effect would turn into those found. So no resonance need be where the model has
-# it.
+# and undone by iteration: readings z that the effect would turn into those found. So no resonance need be where the model has it.
 
 
 ROUNDS = 12

@@ -319,9 +319,8 @@ def against(data: Study, at: diagnosis.Candidate) -> tuple[Against, ...]:
 # Effects of a pendulum among the candidates of a diagnosis with campaigns: what the swings among its facts say of each.
 #
 # The period goes with the square of an amplitude, a damping or a distance: at none a straight line sees nothing of them, and a
-# fit that begins there stays there. So their evidence is the integral over their size
-# (`validation.diagnose.classical`), the body being what the fit has made of it, and the fit begins at the size that it
-# finds.
+# fit that begins there stays there. So their evidence is the integral over their size (`validation.diagnose.classical`), the body
+# being what the fit has made of it, and the fit begins at the size that it finds.
 
 
 def told(data: Study, at: diagnosis.Candidate, menu: Sequence[Added]) -> list[tuple[Added, classical.Weighed]]:

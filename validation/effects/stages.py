@@ -14,7 +14,7 @@ import numpy as np
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen
-from validation.effects.effect import Values
+from validation.effects.effect import AT, Values
 
 NOTHING: Mapping[str, Array] = MappingProxyType({})
 
@@ -130,6 +130,14 @@ class Matrices:
         rows = self.places.values()
         alone = {name: share for name, share in self.part_mass.items() if name not in self.parts and np.trace(share) > 0}
         return tuple(name for name, share in alone.items() if not any(_is_multiple(share, row.T @ row) for row in rows))
+
+    @cached_property
+    def once(self) -> tuple[str, ...]:
+        """Places by one name each, the last: a test names a node behind a mesh, and coordinates come before any name."""
+        names = sorted(self.places, key=lambda name: not name.startswith(AT))
+        rows = np.array([self.places[name] for name in names])
+        apart = (np.abs(rows[k + 1 :] - rows[k]).max(axis=(1, 2)) for k in range(len(rows)))
+        return tuple(name for name, own in zip(names, apart, strict=True) if np.all(own > ROUNDING * np.abs(rows).max()))
 
     def lost(self, part: str) -> Array:
         """(k, k) share of a part as its losses count: what a mode loses beside them, it loses of all that the part loses."""

@@ -269,10 +269,10 @@ class Problem:
                 first, said_by = found.setdefault(parameter.name, (parameter, source))
                 if first is parameter or said_alike(first) == said_alike(parameter):
                     continue
-                # One sensor, stated twice; an effect of which one data set would show more than the other: both are true
-                once = first.kind in (SENSOR, EFFECT)
-                if once and said_alike(replace(parameter, tolerance=first.tolerance)) == said_alike(first):
-                    if parameter.tolerance < first.tolerance:
+                # One sensor, stated twice; an effect that one data set shows more of; an FMD that one identifies: both are true
+                alike = said_alike(replace(parameter, tolerance=first.tolerance)) == said_alike(first)
+                if (alike and first.kind in (SENSOR, EFFECT)) or {first.kind, parameter.kind} == {IDENTIFIED, DECLARED}:
+                    if parameter.tolerance < first.tolerance or parameter.kind == IDENTIFIED:
                         found[parameter.name] = (parameter, source)
                     continue
                 what = next(what for what in AGREED if getattr(first, what) != getattr(parameter, what))

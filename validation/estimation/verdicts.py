@@ -168,11 +168,11 @@ def told(of: Evaluation, explained: ExplainedError, peak: float, due: float | No
         said += f", with the tolerances of its modes by up to {percent(explained.with_modes)}"
     if not high and of.plain.percent > max(explained.measurement, explained.with_modes):
         said += " beside noise"
-    fmd = "the FMD identified, " if any(one.name.startswith("fmd") for one in of.plain_fit.parameters) else ""
+    is_told = any(one.kind == IDENTIFIED and one.name.startswith("fmd") for one in of.plain_fit.parameters)
     plain = StatedError(
         name="plain error",
         figure=percent(of.plain.percent),
-        meaning=f"sensors as calibrated; {fmd}modes within what the model declares",
+        meaning=f"sensors as calibrated; {'the FMD identified, ' * is_told}modes within what the model declares",
         verdict=FAILED if high else GOOD,
         text=f"{said}, but nowhere by {two_digits(peak)} sigma as here" if high else f"{said}, and nothing stands out",
     )

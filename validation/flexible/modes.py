@@ -14,7 +14,7 @@ from fem.structure import Sparse, Structure, at_freedoms, hold
 from geometry.article import Article, Box, Part
 from geometry.frames import Array, Integers
 from validation.flexible.model import Flexible, distance, family, nearest_part
-from validation.output import entry, unwritten
+from validation.output import entry
 
 # How any point of an article moves in the modes of its model: on beams with their section, in solids with the nodes around it.
 #
@@ -121,12 +121,10 @@ class Described:
     ----------
     text : both of these in words
     moving : share of the kinetic energy by part, largest first
-    strained : share of the strain energy by part, largest first; empty where the model does not say
     """
 
     text: str
     moving: dict[str, float] = entry("kinetic_energy_share")
-    strained: dict[str, float] = unwritten()
 
 
 def described(structure: Structure, modes: Modes, article: Article | None) -> tuple[Described, ...]:
@@ -135,7 +133,7 @@ def described(structure: Structure, modes: Modes, article: Article | None) -> tu
     Of a structure that knows no points only the parts that are strained are named; a rigid motion strains none.
     """
     if not len(modes.shapes):
-        return tuple(Described(moving={}, strained={}, text="") for _ in modes.frequency)
+        return tuple(Described(moving={}, text="") for _ in modes.frequency)
     # Share (m,) of the strain energy of each mode by part
     strain: dict[str, Array] = {}
     omega2 = np.where(modes.frequency > 0, 2 * np.pi * modes.frequency, np.inf) ** 2
@@ -200,7 +198,7 @@ def _strained(frequency: float, shares: dict[str, float]) -> Described:
     """A mode of which only the strain is known."""
     named = [f"{100 * share:.0f} % {name}" for name, share in shares.items() if share >= WORTH_NAMING][:3]
     text = "rigid motion" if frequency == 0 else f"strain: {', '.join(named)}" if named else ""
-    return Described(moving={}, strained=shares if frequency else {}, text=text)
+    return Described(moving={}, text=text)
 
 
 def _described(
@@ -225,7 +223,7 @@ def _described(
     bent_moving = named[0]
     key = next(iter(strained), bent_moving)
     bent = [f"strain: {100 * strained[key]:.0f} % {key}"] if key != bent_moving else []
-    return Described(moving=shares, strained=strained, text="; ".join([*moving, *bent]))
+    return Described(moving=shares, text="; ".join([*moving, *bent]))
 
 
 def _twists(structure: Structure, own: Array, u: Array, translating: float) -> bool:

@@ -38,6 +38,11 @@ def above_fmd(article: str) -> str:
     return rest if bottom == FMD else article
 
 
+def on_fmd(campaign: Campaign) -> bool:
+    """Whether what was tested stands on an FMD: its name begins with it, or load cells carry it."""
+    return campaign.article.partition("+")[0] == FMD or bool(campaign.table.select(group="fmd"))
+
+
 def takes_fmd_off(request: Request) -> bool:
     """Whether the FMD can be taken off: it was given, or a tare of the same hardware tells it."""
     own = request.campaign.hardware

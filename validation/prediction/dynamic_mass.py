@@ -412,9 +412,7 @@ def names() -> tuple[str, ...]:
 
 
 def parameters(nominal: Inertia, tolerance: float) -> tuple[Parameter, ...]:
-    """The ten, of a moving part that is `nominal` about F within `tolerance`; none of one that is known exactly."""
-    if tolerance == 0:
-        return ()
+    """The ten, of a moving part that is `nominal` about F within `tolerance`."""
     ten = zip(names(), UNITS, nominal.parameters.tolist(), (tolerance * scales(nominal)).tolist(), strict=True)
     return tuple(
         Parameter(name=name, unit=unit, tolerance=sd, kind=IDENTIFIED, nominal=value, low=-FARTHEST * sd, high=FARTHEST * sd)

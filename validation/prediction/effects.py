@@ -153,8 +153,8 @@ class Nuisances:
         made += [_declared(f"mass:{part}", self.known(part, "density", DENSITY)) for part in parts if part in m.part_mass]
         made += [replace(_declared(f"mass:{body}", self.known(body, "density", DENSITY)), plausible=BODY) for body in m.bodies]
         made += [replace(_declared(f"loss:{part}", self.known(part, "loss_factor", of.damping)), low=-1.0) for part in self.lossy]
-        laws = {DAMPING_LAW: replace(_declared(DAMPING_LAW, of.damping_law), low=0.0, high=1.0)}
-        made += [laws.get(law) or _declared(law, of.loss_coupling) for law in self.laws]
+        shares = {DAMPING_LAW: of.damping_law, LOSS_COUPLING: of.loss_coupling}
+        made += [replace(_declared(law, shares[law]), low=0.0, high=1.0) for law in self.laws]
         known = self.frequency_tolerance
         made += [_declared(f"frequency:{self.configuration}:{r}", known[r - 1]) for r in modes]
         left = [of.mode_damping if own else of.damping for own in self.by_parts]

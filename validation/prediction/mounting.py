@@ -21,7 +21,7 @@ from fem.user_model.reading import UsersModel, is_model, load
 from geometry import routes
 from geometry.article import Article
 from geometry.articles import NAMES, built_in, changes_of, locations
-from geometry.errors import BadInput, CheckFailed
+from geometry.errors import BadInput
 from geometry.frames import Array, Pose, rigid_transformation
 from geometry.inertia import Inertia
 from identification.campaign import Campaign
@@ -175,9 +175,7 @@ class MountedArticle:
         if self.matrices is None:
             return There()
         found = there(self.article, self.matrices)
-        read = dict.fromkeys(self.sensors.values())
-        named = [row for name, row in self.matrices.places.items() if name not in read]
-        again = [one for one in read if any(np.allclose(self.matrices.places[one], row) for row in named)]
+        again = {*self.sensors.values()}.difference(self.matrices.once)
         return replace(found, places=tuple(name for name in found.places if name not in again))
 
 
@@ -225,14 +223,22 @@ def mounted_article(model: Model, campaign: Campaign, highest: float = 0.0) -> M
         band=max(reach, default=highest or BAND) if own else BAND,
         positions=positions_on(model, own) if own else (),
     )
-    if at:
-        try:
-            found = _made(replace(recipe, positions=tuple(dict.fromkeys((*recipe.positions, *at.values())))))
-            if found.matrices is not None and set(at.values()) <= set(found.matrices.places):
-                return replace(found, pose=pose, sensors=at, remarks=(*said, OF_SENSORS))
-        except (BadInput, CheckFailed):  # nobody knows what moves there; the chain says that they are not used
-            pass
-    return replace(_made(recipe), pose=pose, remarks=said)
+    found = _made(replace(recipe, sensors=tuple(dict.fromkeys(at.values()))))
+    there = {name: place for name, place in at.items() if found.matrices is not None and place in found.matrices.places}
+    unread = [_unread(recipe, campaign.source, name, place) for name, place in at.items() if name not in there]
+    return replace(found, pose=pose, sensors=there, remarks=(*said, *unread, *((OF_SENSORS,) if there else ())))
+
+
+def _unread(recipe: "_Recipe", source: str, name: str, place: str) -> str:
+    """Why the accelerometer `name` of the campaign in `source` is not used: nobody knows what moves at its `place`."""
+    model = users_model(recipe.own, recipe.stamp).model
+    error = lacking(model, place) if isinstance(model, Structure) else None
+    problem = error.problem if isinstance(error, BadInput) else "has no known motion: the model has no coordinates"
+    at = ", ".join(f"{1e3 * value:.5g}" for value in position(place) or ())
+    return (
+        f"accelerometer {name} in {source} is not used: at ({at}) mm from the origin of {recipe.article}, along its axes, it "
+        f"{problem}; correct its position, or where the article is mounted"
+    )
 
 
 def moving_part(model: Model) -> Inertia:
@@ -262,7 +268,7 @@ def drawn_inertia(model: Model, article: str) -> Inertia:
 class _Recipe:
     """Everything that decides the matrices of an article; `stamp` tells a user's file from the same one rewritten.
 
-    `band` [Hz] is where tests of a user's own model end, `positions` are places of it by coordinates.
+    `band` [Hz] is where tests of an own model end, `positions` are places of it by coordinates, `sensors` what pick-ups may read.
     """
 
     article: str
@@ -274,6 +280,7 @@ class _Recipe:
     changes: tuple[tuple[str, float], ...] = ()
     band: float = BAND
     positions: tuple[str, ...] = ()
+    sensors: tuple[str, ...] = ()
 
 
 def _own(model: Model, article: str, whole: str) -> str:
@@ -289,10 +296,11 @@ def _changes(model: Model, article: str) -> tuple[tuple[str, float], ...]:
 @lru_cache(maxsize=16)
 def _made(recipe: _Recipe) -> MountedArticle:
     """An article, not yet mounted."""
+    places = dict.fromkeys((*recipe.positions, *recipe.sensors))
     if recipe.own:
         # A user's own model: matrices with their modes, a solid model of a drawing, or modal data alone
         if recipe.kind == RIGID:
-            rides = {name: np.array(position(name)) for name in recipe.positions}
+            rides = {name: np.array(position(name)) for name in places}
             return MountedArticle(article=recipe.article, matrices=of_inertia(_inertia(recipe), rides), pose=Pose())
         found = users_model(recipe.own, recipe.stamp)
         damping = _damping(recipe) or found.damping
@@ -302,19 +310,20 @@ def _made(recipe: _Recipe) -> MountedArticle:
                 problem = f'is "{support}": it has no base that an FMD could carry'
                 remedy = 'State support = "base" with its interface; response functions and modal tables need none'
                 raise BadInput(source=recipe.own, field="fe_model.support", problem=problem, remedy=remedy)
-            return _of_structure(recipe, with_positions(found.model, recipe.positions), damping, {}, None)
+            there = [one for one in places if one not in recipe.sensors or lacking(found.model, one) is None]
+            return _of_structure(recipe, with_positions(found.model, there), damping, {}, None)
         frequency = found.model.frequency
         modal = found.model if damping is None else replace(found.model, viscous=damping_per_mode(damping, 2 * np.pi * frequency))
         matrices = of_modes(modal, _inertia(recipe).cog)
         return MountedArticle(article=recipe.article, matrices=matrices, frequency=frequency, pose=Pose())
     changes = dict(recipe.changes)
-    places = {**locations(recipe.article, changes), **{name: np.array(position(name)) for name in recipe.positions}}
+    at = {**locations(recipe.article, changes), **{name: np.array(position(name)) for name in places}}
     if recipe.kind == RIGID:
-        return MountedArticle(article=recipe.article, matrices=of_inertia(_inertia(recipe), places), pose=Pose())
+        return MountedArticle(article=recipe.article, matrices=of_inertia(_inertia(recipe), at), pose=Pose())
     from fem.beam import articles
 
     drawn = built_in(recipe.article, changes)
-    return _of_structure(recipe, articles.structure(recipe.article, changes), _damping(recipe), places, drawn)
+    return _of_structure(recipe, articles.structure(recipe.article, changes), _damping(recipe), at, drawn)
 
 
 def _of_structure(

@@ -34,6 +34,7 @@ from validation.effects.effect import AMPLITUDE, BODY_STAGE, CHANNEL_STAGE, NOIS
 from validation.effects.stages import ChannelResponse, NoiseModel, leak
 from validation.estimation import problem
 from validation.model.model import Added, Model
+from validation.model.setups import on_fmd
 from validation.model.tolerance_classes import METROLOGY
 from validation.prediction import dynamic_mass
 from validation.prediction import effects as prediction_effects
@@ -70,7 +71,7 @@ def _chain(model: Model, campaign: Campaign, overrides: Mapping[str, float]) -> 
     return chain(
         campaign.table,
         model.tolerances,
-        stiffness=model.cell_stiffness,
+        stiffness=model.cell_stiffness if on_fmd(campaign) else inf,
         gravity=campaign.gravity,
         overrides=overrides,
         on_article=tuple(mounted_article(model, campaign).sensors) if upon else (),
@@ -183,6 +184,10 @@ UNMEASURED = "unmeasured-"
 
 SHARE = "cross-motion"
 """Family of the parameters c."""
+
+UNTOLD = ("accelerometer-misalignment", "accelerometer-position")
+"""By these a pick-up reads more or less of what the base does that nobody recorded. What is left of a line fits any such motion,
+and a fit would turn a pick-up until it may: they act on what is driven, and on what the article bends."""
 
 
 def is_read(channel: str) -> bool:
@@ -326,6 +331,8 @@ def predictions(
         done = partial(lambda before, share: tell((before + share) / count), k)
         made = measured(campaign, of, name, band=band, method=method, lines=lines, progress=done)
         driven, stands = drives(campaign, made.method), mounted_article(model, campaign, float(made.measured.frequency[-1]))
+        unread = ", ".join(name for name in of.left_out if not any(name in said for said in stands.remarks))
+        why = f"not used: {unread}, which read no motion of cover plate, table or article, and no load of the FMD"
         tested = TestedCampaign(
             model=model,
             campaign=replace(campaign, recordings={}),
@@ -334,7 +341,7 @@ def predictions(
             drives=tuple(driven[run] for run in made.measured.runs),
             per_rms=per_rms(campaign, made.method),
             method=made.method,
-            remarks=made.remarks,
+            remarks=(why, *made.remarks) if unread else made.remarks,
         )
         found.append(SeriesPrediction(tested=tested, effects=model.effects))
     return tuple(found)
@@ -383,16 +390,19 @@ class TestedCampaign:
             unknown = {name.removeprefix(UNMEASURED) for name in of.names if not is_read(name)}
             own = [
                 *(one for one in structural if one.family != "participation" or one.name.rpartition(":")[2] not in unknown),
-                *dynamic_mass.parameters(carried.moving, model.fmd_tolerance),
+                *(() if carried.exact else dynamic_mass.parameters(carried.moving, model.fmd_tolerance)),
                 *carried.mounted,
                 *(one for one, _, _ in shares(self, self.measured.frequency[:1])),
             ]
             for one in of.parameters:  # what is offset by its logarithm is 1 + its relative change there
                 if one.channels and unread.issuperset(one.channels):
                     continue  # of no pick-up, nor of a board that has none
-                kind = KINDS.get(one.family, problem.SENSOR)
-                within = problem.WITHIN * one.tolerance if kind == problem.DECLARED else inf
-                own.append(replace(one, channels=(), kind=kind, within=within))
+                own.append(replace(one, channels=(), kind=KINDS.get(one.family, problem.SENSOR)))
+            # Without load cells nobody reads by what an FMD could be identified: it is what is declared of it
+            declared = {"cell-stiffness"} if of.forces.columns else {*KINDS, dynamic_mass.FMD}
+            for k, one in enumerate(own):
+                if one.family in declared:
+                    own[k] = replace(one, kind=problem.DECLARED, within=problem.WITHIN * one.tolerance)
             self._opened[needed] = of, own if model.learnt is None else [model.learnt.known(one) for one in own]
         return self._opened[needed]
 
@@ -645,15 +655,22 @@ class SeriesPrediction:
         theta = np.array([at.get(one.name, 0.0) for one in self._chain.parameters])
         A0, A1 = self._chain.rows(theta, frequency)
         changes: dict[str, problem.Change | problem.Conveyed] = {}
+        rows, of = A0 + A1 @ H, self._chain
+        unknown = [k for k, axis in enumerate(MOTIONS) if UNMEASURED + axis in of.names]
+        nominal = np.where([one.family in UNTOLD for one in of.parameters], 0.0, theta)
+        if unknown:
+            rows[:, :, unknown] += (of.rows(nominal, frequency)[0] - A0)[:, :, unknown]
         if derivatives:
             loaded = tuple(int(k) for k in np.flatnonzero(np.any(A1 != 0, axis=(0, 2))))
             through = A1[:, loaded]
             changes = {name: problem.Conveyed(channels=loaded, through=through, quantities=dH) for name, dH in structural.items()}
-            names = [one.name for one in self._chain.parameters if problem.is_wanted(one.name, derivatives)]
-            of_chain = self._chain.derivatives(theta, frequency, H, names)
-            for name, derivative in zip(names, of_chain, strict=True):
-                changes[name] = problem.Change(channels=derivative.channels, rows=derivative.rows)
-        rows = A0 + A1 @ H
+            names = [one.name for one in of.parameters if problem.is_wanted(one.name, derivatives)]
+            made = of.derivatives(theta, frequency, H, names)
+            still = [of.derivatives(x, frequency, 0 * H, names) if unknown else made for x in (theta, nominal)]
+            for name, derivative, here, there in zip(names, made, *still, strict=True):
+                own = np.array(derivative.rows)
+                own[:, :, unknown] += ((name.partition(":")[0] not in UNTOLD) * there.rows - here.rows)[:, :, unknown]
+                changes[name] = problem.Change(channels=derivative.channels, rows=own)
         for one, column, change in shares(self.tested, frequency):
             rows[:, column] += at.get(one.name, 0.0) * change
             if problem.is_wanted(one.name, derivatives):
@@ -737,7 +754,7 @@ def supported_dynamic_mass(model: Model, campaign: Campaign, stands: MountedArti
     return SupportedDynamicMass(
         standing=stands,
         moving=moving_part(model),
-        exact=model.fmd_tolerance == 0,
+        exact=model.fmd_tolerance == 0 or not on_fmd(campaign),
         nuisances=of_structure,
         mounted=dynamic_mass.Seated.parameters(name, stands, model.mounting),
     )

@@ -69,7 +69,7 @@ WHAT_MOVES = "What moves: parts with their share of the kinetic energy and the a
 def words(model: Flexible) -> tuple[Described, ...]:
     """Every mode of `model` in words; empty ones for modal data without a structure."""
     if model.structure is None:
-        return tuple(Described(moving={}, strained={}, text="") for _ in model.modes.frequency)
+        return tuple(Described(moving={}, text="") for _ in model.modes.frequency)
     structure, unnamed = model.structure, model.model == OWN and set(model.structure.part_stiffness) <= UNNAMED
     # Where a user's own model has no parts, its reader may have made shares of the stiffness for the damping
     structure = replace(structure, part_stiffness={}, loss_factors={}) if unnamed else structure

@@ -82,6 +82,15 @@ def test_a_beam_with_a_hinge_at_its_end_is_propped(freedoms: str, weak: int, str
         assert min(abs(found / wanted - 1)) < 5e-3  # rotary inertia
 
 
+@pytest.mark.parametrize("pins", ["7", "459", "4,A"])
+def test_a_hinge_that_is_no_freedom_is_refused(pins: str, tmp_path: Path) -> None:
+    """It was passed over, and the end stayed clamped."""
+    bars = cantilever("CBEAM,{n},1,{a},{b},0.,1.,0.\n,0,0")
+    loaded([*bars, section(1, WEB).replace("PBAR", "PBEAM")], tmp_path)
+    with pytest.raises(BadInput, match=f"`CBEAM`: PA and PB of CBEAM {COUNT} are .*Write freedoms from 1 to 6"):
+        loaded([*bars[:-1], bars[-1].replace("0,0", pins), section(1, WEB).replace("PBAR", "PBEAM")], tmp_path)
+
+
 def test_a_frame_with_pinned_braces_has_rods_for_them(tmp_path: Path) -> None:
     """A bar whose ends both turn freely pulls as a rod of its area does, at either end a hinge in all three."""
     posts = ["GRID,1,,0.,0.,0.", "GRID,2,,0.,0.,900.", "GRID,3,,900.,0.,0.", "GRID,4,,900.,0.,900.", "SPC1,1,123456,1,3"]

@@ -264,3 +264,14 @@ def test_a_spring_of_which_more_comes_to_the_same_is_told_to_be_at_least_as_stif
     (one,) = cause.sizes
     assert one.low < size <= one.high
     assert told in sized(cause, one)
+
+
+def test_a_node_under_two_names_is_one_candidate_by_the_name_that_the_test_gave_it(tmp_path, portal):
+    """A group of one node, "RBE2 902" of a deck, and "node 5" of a test had been two that tied."""
+    path = portal(tmp_path, 4)
+    table = '[[test]]\nkind = "modal-table"\nfrequencies = ["60 Hz", "200 Hz"]\nsensors = ["node 5:x", "b:x"]\n'
+    path.write_text(path.read_text() + table + "shapes = [[1.0, 1.0], [1.0, -1.0]]\n")
+    data = Study.open(str(path), [])
+    masses = [one.named.target for one in candidates.candidates(data) if one.named.family == "point-mass"]
+    assert sorted(masses) == ["b", "c", "node 5"]  # a is node 5
+    assert [one.named.target for one in candidates.candidates(data, only=["point-mass:a"])] == ["a"]

@@ -339,9 +339,11 @@ def test_what_couples_two_modes_follows_the_law_by_which_they_lose(share):
 
 
 def test_it_is_open_where_parts_lose_something_and_one_for_all_structures(of):
-    (law,) = (one for one in of.parameters if one.name == DAMPING_LAW)
-    assert law.tolerance == of.tolerances.damping_law
-    assert (law.low, law.high) == (0.0, 1.0)  # beyond, and with less than no loss, a structure would be driven by itself
+    of = replace(of, tolerances=replace(of.tolerances, loss_coupling=0.4), losses={**of.losses, "mast": 0.03})
+    shares = {one.name: one for one in of.parameters if one.name in (DAMPING_LAW, LOSS_COUPLING)}
+    assert [one.tolerance for one in shares.values()] == [of.tolerances.damping_law, 0.4]
+    # Beyond, and with less than no loss, a structure would be driven by itself; of a satellite 1.25 of the coupling was gone
+    assert {(one.low, one.high) for one in shares.values()} == {(0.0, 1.0)}
     assert {one.low for one in of.parameters if one.family == "loss"} == {-1.0}
     bare = effects.nuisances("clumod-1", of.nominal, of.frequency, {})
     assert DAMPING_LAW not in {one.name for one in bare.parameters}

@@ -15,12 +15,12 @@ from validation.cli import main
 from validation.compare.maps import Rig
 from validation.diagnose.candidates import candidates
 from validation.diagnose.diagnosis import Candidate
-from validation.diagnose.mistakes import mistakes
+from validation.diagnose.mistakes import LowFrequencyReadings, _likelihood, mistakes
 from validation.diagnose.unexplained_fit import OF_SHARES, swallowing
 from validation.diagnose.unexplained_places import channels, crosstalk
 from validation.estimation.fit import fit
 from validation.estimation.likelihood import floor_of, level_of
-from validation.estimation.problem import FITTED, Problem
+from validation.estimation.problem import DECLARED, FITTED, IDENTIFIED, Problem
 from validation.history.verdict import body_of
 from validation.model.model import Model, difference
 from validation.model.setups import mounted
@@ -128,12 +128,64 @@ def test_motions_that_go_with_the_driven_one_pull_at_no_tolerance_even_at_their_
         assert found.chi2 < found.degrees_of_freedom
 
 
+def test_without_load_cells_no_fmd_is_identified_and_what_stands_on_none_is_shaken_by_its_table(
+    simulated, model, meaningless
+) -> None:
+    """A sound panel on a shaker stood on cells that were not there: up to 600 Hz they were made seven times as stiff."""
+    sound = simulated()
+    (of,) = predictions(model, [sound])
+    fmd = [one for one in of.parameters if one.name.startswith("fmd")]
+    assert {one.family for one in fmd} == {"fmd", "fmd-compliance"}
+    assert {one.kind for one in fmd} == {DECLARED}
+    (loaded,) = predictions(model, [meaningless(article="fmd+clumod-1")])  # with load cells, on the same FMD
+    for both in ((of, loaded), (loaded, of)):
+        assert {one.kind for one in Problem(both).parameters if one.family == "fmd"} == {IDENTIFIED}
+    (alone,) = predictions(replace(model, article="clumod-1"), [replace(sound, article="clumod-1")])
+    assert not [one.name for one in alone.parameters if one.name.startswith("fmd")]
+    soft, rigid = (each.at({}, derivatives=False).rows[:, each.measured.channels.index("table-x1"), 0] for each in (of, alone))
+    assert_allclose(rigid, 1.0, rtol=1e-12)
+    assert np.abs(soft - 1).max() > 1e-3
+
+
+def test_a_channel_of_no_noise_that_is_held_against_one_that_reads_nothing_has_a_likelihood() -> None:
+    """The pick-up of a rigid base beside one across it: a diagnosis had ended in "invalid numeric entries"."""
+    nothing = np.zeros((4, 2))
+    one = LowFrequencyReadings(
+        name="z",
+        channels=("a", "b"),
+        quantities=("acceleration",) * 2,
+        lines=4,
+        reading=nothing + 1,
+        expected=nothing,
+        noise=nothing,
+        unsure=nothing,
+    )
+    assert np.isfinite(_likelihood([one], 0, 1, 0.0))
+
+
 def test_a_pick_up_on_the_flange_moves_with_the_flange(simulated, model):
     """Its height is written to a micrometre, and 0.4 of one too high was the mast, whose resonances it then had to have."""
     (of,) = predictions(model, [simulated()])
     rows = of.at({}, derivatives=False).rows[:, of.measured.channels.index("flange-x")]
     height = 0.0349236 + 0.045
     assert_allclose(rows, np.broadcast_to([1, 0, 0, 0, height, 0], rows.shape), atol=1e-4)
+
+
+def test_no_slant_or_place_of_a_pick_up_lets_it_read_what_the_base_does_that_nobody_recorded(simulated, model) -> None:
+    """What is left of a line is any such motion: of a sound panel a slant went 4.7 deviations, 1.4 degrees, and it "FAILED"."""
+    (of,) = predictions(model, [simulated()])
+    channel, slant = of.measured.channels.index("flange-z"), "accelerometer-misalignment:flange-z:y"
+    for name, size in ((slant, 0.05), ("accelerometer-position:flange-z:y", 0.01)):
+        away = of.at({name: size}, derivatives=False).rows - of.at({}, derivatives=False).rows
+        assert np.abs(away[:, channel, 1:]).max() < 2e-3 * size  # what bends alone, of a flange next to nothing
+        assert (np.abs(away[:, channel, 0]).min() > 0.9 * size) == (name == slant)
+    at = {slant: 0.05, "accelerometer-gain:flange-z": 0.1, "accelerometer-position:mast-top-x:z": 0.01}
+    changes = of.at(at).changes
+    for name in (*at, "accelerometer-delay:flange-z"):
+        step = 1e-6 if "delay" in name else 1e-4
+        above, below = (of.at({**at, name: at.get(name, 0.0) + side * step}, derivatives=False).rows for side in (1, -1))
+        slope = ((above - below) / (2 * step))[:, changes[name].channels]
+        assert_allclose(changes[name].rows, slope, atol=1e-6 * max(np.abs(slope).max(), 1e-3))
 
 
 def test_no_mode_takes_part_in_what_nobody_recorded_beyond_what_is_computed(simulated, model):

@@ -12,11 +12,13 @@ from scipy.sparse.linalg import spsolve
 from benchmarks.read_meshes import STEEL, abaqus, bricks
 from fem.user_model import reading
 from geometry.errors import BadInput
+from geometry.frames import Pose
+from geometry.sensors import Channel, ChannelTable, Place
 from identification import test_file
 from validation.effects.catalogue import FAMILIES, Named, acts, parse
 from validation.model import model_file
-from validation.model.model import Added, StructureTolerances
-from validation.prediction import effects, structure_tests
+from validation.model.model import Added, Model, StructureTolerances
+from validation.prediction import effects, series, structure_tests
 from validation.prediction.mounting import mounted_article
 from validation.study import Study
 
@@ -220,6 +222,31 @@ def test_modes_of_a_coarse_mesh_are_unsure_above_the_band_and_turn_into_each_oth
         assert {f"mixing:block:{r + 1}:{s + 1}", f"coupling:block:{r + 1}:{s + 1}"} <= names
         turned = of.at({f"mixing:block:{r + 1}:{s + 1}": 0.01})[0].stiffness[r, s]
         assert turned == pytest.approx(0.01 * (2 * np.pi) ** 2 * of.frequency[r] * of.frequency[s])
+
+
+def test_an_accelerometer_outside_the_mesh_is_named_in_words_and_the_others_take_part(tmp_path, meaningless):
+    """All of the article were left out for one of them, and nothing said so."""
+    path, bare = block(tmp_path, (4, 1, 1), "C3D8", 0.0), meaningless(article="fmd+block")
+    path.write_text(path.read_text(encoding="utf-8").partition("[[test]]")[0].replace('"ground"', '"base"'), encoding="utf-8")
+    sits = {"far-y": (0.2, 0.01, 0.03), "beside-y": (0.1, 0.05, 0.015), "near-z": (0.0, 0.02, 0.0)}
+    upon = [
+        Channel(name=name, quantity="acceleration", group="article", places=(Place(position=at, direction=np.eye(3)[1]),))
+        for name, at in sits.items()
+    ]
+    table = ChannelTable(channels=(*bare.table.channels, *upon))
+    read = {
+        name: replace(one, names=table.names, values=np.hstack([one.values, one.values[:, :3]]))
+        for name, one in bare.recordings.items()
+    }
+    campaign = replace(bare, source="shaken", table=table, recordings=read, mounting=Pose())
+    model = Model(source="lab", title="", article="fmd+block", own={"block": str(path)})
+    (of,) = series.predictions(model, [campaign])
+    assert [name for name in of.measured.channels if name in sits] == ["far-y", "near-z"]
+    (said,) = [text for text in of.remarks if "beside-y" in text]
+    (bare,) = series.predictions(model, [replace(campaign, article="fmd")])
+    assert any(text.startswith("not used: far-y, beside-y, near-z, which read no motion of") for text in bare.remarks)
+    assert said.startswith("accelerometer beside-y in shaken is not used: at (100, 50, 15) mm from the origin of block")
+    assert "30 mm outside the mesh; the nearest point is (100, 20, 15) mm" in said
 
 
 @pytest.mark.proof  # two meshes and two fits; what a mesh leaves unsure is held element by element in fem/mesh
