@@ -15,7 +15,7 @@ Probability, 1961, section 1.6: a law of which one constant is not known).
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -173,6 +173,7 @@ class MeshSearch:
     moved: Integers
     tests: tuple[tuple[fit.Swallowing, OnNodes], ...]
     brought: float = 0.0
+    _reads: dict[tuple[bytes, ...], tuple[Callable[[Array, Array], ComplexArray], ...]] = field(default_factory=dict, init=False)
 
     @classmethod
     def of(cls, candidate: Candidate) -> Iterator["MeshSearch"]:
@@ -341,7 +342,9 @@ class MeshSearch:
         sign = -1 if first < 0 else 1
         rows = [where(_known(one))[0] for _, one in self.tests]
         asked = tuple(row.tobytes() for row in rows)
-        if asked not in self._reads:  # of every kind the same places
+        if asked not in self._reads:  # of every kind the same places; what each holds may be megabytes
+            if len(self._reads) >= SURVEYED:
+                self._reads.clear()
             self._reads[asked] = tuple(of(row) for of, row in zip(self.finite, rows, strict=True))
         reads = self._reads[asked]
 
@@ -430,10 +433,6 @@ class MeshSearch:
     def finite(self) -> tuple[Finite, ...]:
         """By test, what is read with a mass or a spring of any size."""
         return tuple(one.finite(self.offsets, left.of.lines) for left, one in self.tests)
-
-    @cached_property
-    def _reads(self) -> dict[tuple[bytes, ...], tuple[Callable[[Array, Array], ComplexArray], ...]]:
-        return {}
 
     def _at(self, kind: str, reads: Sequence[Callable[[Array, Array], ComplexArray]], size: float, spread: float) -> float:
         """Evidence [nats] of a size, by what the tests `reads` of it at a place."""

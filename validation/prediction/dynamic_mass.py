@@ -191,8 +191,8 @@ SAMPLED = 9
 tests/validation/prediction/test_matrices.py."""
 
 SPANNED = 1e-5
-"""[share] of the largest answer at a line to which those between agree; what is read is stationary in them and agrees to a
-hundredth of it. Held by tests/validation/prediction/test_matrices.py."""
+"""[share] of the largest answer to a load at a line to which those between agree; what is read is stationary in them and agrees
+to a hundredth of it. Held by tests/validation/prediction/test_matrices.py."""
 
 LEAST = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 """[share] of the largest direction below which one is left out: the first of these at which they agree. A decade is a half more
@@ -233,13 +233,16 @@ class Condensed:
         shapes, back = near
         # Lines that crowd at the ends, as those between which polynomials agree best
         some = np.unique(np.round((len(at) - 1) * (1 - np.cos(np.pi * np.arange(SAMPLED) / (SAMPLED - 1))) / 2).astype(np.int64))
-        D, square = dynamic_matrix(matrices, at[some]), np.abs(at[some, None, None]) ** 2
+        D, turn = dynamic_matrix(matrices, at[some]), np.abs(at[some, None, None])
+        lost = matrices.viscous @ shapes / turn + matrices.structural @ shapes / turn**2
+        answers = np.linalg.solve(D, np.concatenate([np.broadcast_to(loads, (len(some), k, p)), lost], axis=2))
+        # Each load as large as any other: where one drives what is soft, what is stiff answers next to nothing beside it
+        loads = loads / (alike := np.where(loads.any(axis=0), np.abs(answers[:, :, :p]).max(axis=(0, 1)), 1.0))
         # What the losses of modes that resound make of the others is as large as they resound for these loads
         M, K, C, S = (np.einsum("kr,kr->r", shapes, getattr(matrices, name) @ shapes) for name in FIELDS)
         own = np.abs(M - (K + 1j * (at[:, None] * C + S)) / at[:, None] ** 2).min(axis=0)
         size = np.divide(np.abs(loads.T @ shapes).max(axis=0, initial=0.0), own, out=np.zeros(len(own)), where=own > 0)
-        lost = (np.abs(at[some, None, None]) * (matrices.viscous @ shapes) + matrices.structural @ shapes) / square * size
-        answers = np.linalg.solve(D, np.concatenate([np.broadcast_to(loads, (len(some), k, p)), lost], axis=2))
+        answers *= np.append(1 / alike, size)
         seen = answers[::2].view(np.float64)  # real and imaginary parts beside each other
         beside = np.hstack(list(seen - shapes @ (back @ seen)))
         squares, axes = np.linalg.eigh(beside @ beside.T)
@@ -252,7 +255,7 @@ class Condensed:
             if w > k * WORTH_CONDENSING:
                 return None
             told = every[:, :w] @ np.linalg.solve(own[:, :w, :w], every[:, :w].T @ loads)
-            if np.all(np.abs(told - due).max(axis=(1, 2)) <= SPANNED * np.abs(due).max(axis=(1, 2))):
+            if np.all(np.abs(told - due).max(axis=1) <= SPANNED * np.abs(due).max(axis=1)):
                 fields = dict(zip(FIELDS, (one[:w, :w] for one in (M, K, C, S)), strict=True))
                 return cls(matrices=Matrices(base=0, **fields), directions=every[:, :w])
         return None

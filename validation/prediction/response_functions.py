@@ -314,8 +314,7 @@ class ResponseFunctionTest:
             dT[name][:, :c, gives[name]] = -(omega[:, 0] ** 2) * self._local[:, gives[name]]
         if WINDOW in self._asked and is_wanted(WINDOW, derivatives):
             # d D / d decay = -i (2 (K + i S) / omega³ + i C / omega²)
-            every = np.arange(len(matrices.mass))
-            none = np.zeros_like(matrices.mass)
+            every, none = np.arange(len(matrices.mass)), np.zeros_like(matrices.mass)
             held = Tangent(at=every, mass=none, stiffness=matrices.stiffness, viscous=none, structural=matrices.structural)
             lost = Tangent(at=every, mass=none, stiffness=none, viscous=matrices.viscous, structural=none)
             moved = dynamic_mass.transfer_tangents(answered, {"held": held, "lost": lost})
@@ -346,18 +345,16 @@ class ResponseFunctionTest:
         tangents = {name: factor * np.concatenate([change, 0 * change[:, :1]], axis=1) for name, change in dA.items()}
         if derivatives:
             slopes = [1.0 if self._factors[name].logarithmic else 1 / gain for name, gain in zip(self._gains, gains, strict=True)]
-            own = {name: k for k, name in enumerate(self._gains[: c + 1])}
-            for name in _wanted(own, derivatives):
-                k = own[name]
-                tangents[name] = np.zeros_like(signals)
-                tangents[name][:, k] = slopes[k] * factor[:, k] * signals[:, k]
+            for k, name in enumerate(self._gains[: c + 1]):
+                if is_wanted(name, derivatives):
+                    tangents[name] = np.zeros_like(signals)
+                    tangents[name][:, k] = slopes[k] * factor[:, k] * signals[:, k]
             if self.scale is not None and is_wanted(self._gains[c + 1], derivatives):
                 tangents[self._gains[c + 1]] = np.concatenate([factor[:, :c] * A, 0 * ones], axis=1)
-            late = {name: k for k, name in enumerate(self._delays) if name in self._asked}
-            for name in _wanted(late, derivatives):
-                k = late[name]
-                tangents[name] = np.zeros_like(signals)
-                tangents[name][:, k] = -1j * omega[:, 0] * factor[:, k] * signals[:, k]
+            for k, name in enumerate(self._delays):
+                if name in self._asked and is_wanted(name, derivatives):
+                    tangents[name] = np.zeros_like(signals)
+                    tangents[name][:, k] = -1j * omega[:, 0] * factor[:, k] * signals[:, k]
         channels = (*self.measured.channels, FORCE_CHANNEL)
         reading = ChannelResponse(frequency=f, channels=channels, rows=factor * signals, amplitude=np.zeros((len(f), c + 1)))
         reading, tangents = prediction_effects.channels(reading, tangents, effects)

@@ -1,5 +1,6 @@
 """Everywhere on the mesh: what one solution says of every node is what the effect at that node does."""
 
+import weakref
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -153,6 +154,27 @@ def test_in_place_of_an_effect_its_own_node_brings_what_it_brought_and_a_size_is
     evidence, size = mesh.sized("point-mass", there, own, at + np.array([-0.7, 0.0, 0.6]), nearer=4)
     assert (evidence, size) == (pytest.approx(brought, abs=6.0), pytest.approx(own, rel=0.01))
     assert mesh.sized("point-mass", there, own, at + np.array([-0.7, 0.6]))[0] < evidence - 100
+
+
+def test_what_places_read_is_kept_of_as_many_as_are_surveyed_and_of_no_more(study, monkeypatch):
+    monkeypatch.setattr(everywhere, "SURVEYED", 2)
+    (mesh,) = MeshSearch.of(candidates.baseline(study))
+    held, finite = set[int](), mesh.finite
+
+    def counted(of):
+        def at(row):
+            read = of(row)
+            held.add(id(read))
+            weakref.finalize(read, held.discard, id(read))
+            return read
+
+        return at
+
+    monkeypatch.setitem(mesh.__dict__, "finite", tuple(counted(of) for of in finite))
+    some = [mesh.at(np.array([node])) for node in range(5)]
+    first = [mesh.sized("point-mass", one, 0.01)[0] for one in some]
+    assert 0 < len(held) <= 2 * len(finite)
+    assert [mesh.sized("point-mass", one, 0.01)[0] for one in some] == first
 
 
 def test_a_node_that_is_tried_bends_as_what_carries_a_large_mass_does(study, monkeypatch):

@@ -353,6 +353,25 @@ def test_what_is_condensed_is_right_at_peaks_between_its_lines_too_and_few_lines
     assert dynamic_mass.Condensed.of(m, 2 * np.pi * LINES[:12], rows.T) is None
 
 
+def test_what_is_stiff_is_right_beside_what_is_soft_each_by_its_own_size():
+    n, stiff = 120, 10  # masses on springs in a row, of which the first half is a million times as stiff
+    springs = 3e7 * np.where(np.arange(n) < n // 2, 1e6, 1.0)
+    ties = np.eye(n) - np.eye(n, k=-1)
+    K, changed = ties.T * springs @ ties, ties[:stiff].T * springs[:stiff] @ ties[:stiff]
+    m = Matrices(base=0, mass=np.eye(n), stiffness=K, viscous=np.zeros((n, n)), structural=0.01 * K)
+    rows, f = np.eye(n)[[2, 8, n - 1]], np.linspace(5.0, 200.0, 300)
+    few = dynamic_mass.Condensed.of(m, 2 * np.pi * f, rows.T)
+    assert few is not None
+    answered = dynamic_mass.accelerance(m, f, rows, rows)
+    condensed = dynamic_mass.accelerance(few.matrices, f, few.of_rows(rows), few.of_rows(rows))
+    apart = np.abs(condensed.matrix - answered.matrix).max(axis=0) / np.abs(answered.matrix).max(axis=0)
+    assert apart.max() < dynamic_mass.SPANNED
+    change = of_arrays(n, stiffness=changed)
+    due = dynamic_mass.transfer_tangents(answered, {"root": change})["root"]
+    found = dynamic_mass.transfer_tangents(condensed, {"root": few.of_tangent(change)})["root"]
+    assert (np.abs(found - due).max(axis=0) / np.abs(due).max(axis=0)).max() < 1e-2
+
+
 def test_what_neither_stands_nor_floats_is_not_condensed(turned):
     m, rows = turned
     m = replace(m, stiffness=m.stiffness - 1.1 * np.diag(np.diag(m.stiffness + (2 * np.pi * LINES.max()) ** 2 * m.mass)))
