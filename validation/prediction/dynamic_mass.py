@@ -190,9 +190,9 @@ SAMPLED = 9
 """[count] of lines over the band at which all coordinates are solved: at every second one the others are checked. Held by
 tests/validation/prediction/test_matrices.py."""
 
-SPANNED = 1e-5
+SPANNED = 1e-4
 """[share] of the largest answer to a load at a line to which those between agree; what is read is stationary in them and agrees
-to a hundredth of it. Held by tests/validation/prediction/test_matrices.py."""
+to its square. Held by tests/validation/prediction/test_matrices.py."""
 
 LEAST = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 """[share] of the largest direction below which one is left out: the first of these at which they agree. A decade is a half more
