@@ -176,10 +176,15 @@ def test_a_warning_names_its_file_once_and_is_said_once(run, tmp_path):
 
 
 def test_the_chord_error_of_the_users_step_follows_the_option_and_is_stated(answer, tmp_path):
-    from geometry.articles import built_in
-    from geometry.cad import solid, write_step
+    from cadquery import Assembly
 
-    write_step(tmp_path / "disc.step", {part.name: solid(part) for part in built_in("disc").parts}, "disc")
+    from geometry.articles import built_in
+    from geometry.cad import solid
+
+    disc = Assembly(name="disc")
+    for part in built_in("disc").parts:
+        disc.add(solid(part), name=part.name)
+    disc.export(str(tmp_path / "disc.step"))
     given = ("reference", "disc.step", "--material", "steel")
     fine, own = (answer(*given, *more)["articles"]["disc.step"] for more in (("--chord", "10 um"), ()))
     assert fine["chord_m"] == pytest.approx(1e-5, rel=1e-12)

@@ -147,7 +147,8 @@ def test_an_effect_moves_the_functions_as_the_prediction_of_the_model_with_it(ma
     assert_allclose(trace.matrix.swapaxes(0, 1), one.at(ready.offsets, derivatives=False).rows[..., 0], rtol=1e-12)
     assert found.plain_percent != found.before_percent
     dragged = whatif.what_if(ready, "point-mass:c=0.05", exact=False, follow=False)
-    asked = np.isclose(dragged.traces[0].matrix, trace.matrix, rtol=1e-9, atol=0).all(axis=(1, 2))
+    # Fewer lines are condensed by themselves; lines between those that were asked are off by far more
+    asked = np.isclose(dragged.traces[0].matrix, trace.matrix, rtol=0, atol=1e-8 * np.abs(trace.matrix).max()).all(axis=(1, 2))
     assert asked.sum() >= 0.6 * LINES  # the others go with them
 
 

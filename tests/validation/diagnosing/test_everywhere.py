@@ -239,7 +239,7 @@ def test_where_points_lie_and_how_they_are_turned_is_known_within_the_tolerances
         little = 1e-4
         moved = test.at({name: little}, derivatives=False).rows - test.at({name: -little}, derivatives=False).rows
         slope = changes[name].rows
-        assert_allclose(slope, moved / (2 * little), atol=1e-6 * np.abs(slope).max())
+        assert_allclose(slope, moved / (2 * little), atol=1e-5 * np.abs(slope).max())  # answers agree to `SPANNED`, 1e-4
 
 
 def test_a_point_where_the_model_has_a_name_is_that_place(study):
