@@ -137,7 +137,8 @@ class Matrices:
         names = sorted(self.places, key=lambda name: not name.startswith(AT))
         rows = np.array([self.places[name] for name in names])
         apart = (np.abs(rows[k + 1 :] - rows[k]).max(axis=(1, 2)) for k in range(len(rows)))
-        return tuple(name for name, own in zip(names, apart, strict=True) if np.all(own > ROUNDING * np.abs(rows).max()))
+        least = ROUNDING * np.abs(rows).max(initial=0.0)
+        return tuple(name for name, own in zip(names, apart, strict=True) if np.all(own > least))
 
     def lost(self, part: str) -> Array:
         """(k, k) share of a part as its losses count: what a mode loses beside them, it loses of all that the part loses."""

@@ -234,12 +234,12 @@ class Condensed:
         # Lines that crowd at the ends, as those between which polynomials agree best
         some = np.unique(np.round((len(at) - 1) * (1 - np.cos(np.pi * np.arange(SAMPLED) / (SAMPLED - 1))) / 2).astype(np.int64))
         D, turn = dynamic_matrix(matrices, at[some]), np.abs(at[some, None, None])
-        lost = matrices.viscous @ shapes / turn + matrices.structural @ shapes / turn**2
-        answers = np.linalg.solve(D, np.concatenate([np.broadcast_to(loads, (len(some), k, p)), lost], axis=2))
+        M, K, C, S = (getattr(matrices, name) @ shapes for name in FIELDS)
+        answers = np.linalg.solve(D, np.concatenate([np.broadcast_to(loads, (len(some), k, p)), C / turn + S / turn**2], axis=2))
         # Each load as large as any other: where one drives what is soft, what is stiff answers next to nothing beside it
         loads = loads / (alike := np.where(loads.any(axis=0), np.abs(answers[:, :, :p]).max(axis=(0, 1)), 1.0))
         # What the losses of modes that resound make of the others is as large as they resound for these loads
-        M, K, C, S = (np.einsum("kr,kr->r", shapes, getattr(matrices, name) @ shapes) for name in FIELDS)
+        M, K, C, S = (np.einsum("kr,kr->r", shapes, one) for one in (M, K, C, S))
         own = np.abs(M - (K + 1j * (at[:, None] * C + S)) / at[:, None] ** 2).min(axis=0)
         size = np.divide(np.abs(loads.T @ shapes).max(axis=0, initial=0.0), own, out=np.zeros(len(own)), where=own > 0)
         answers *= np.append(1 / alike, size)

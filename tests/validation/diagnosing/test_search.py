@@ -35,8 +35,10 @@ LOUD = tuple(
 
 def in_place(monkeypatch: pytest.MonkeyPatch, name: str, other: object) -> None:
     """`other` in place of what is called `name`, in the search and in the fits that it asks for."""
-    for module in (search, candidate_fits):
-        monkeypatch.setattr(module, name, other, raising=False)
+    modules = [module for module in (search, candidate_fits) if hasattr(module, name)]
+    assert modules
+    for module in modules:
+        monkeypatch.setattr(module, name, other)
 
 
 def screened(*texts: str, evidence: float = 100.0) -> list[Screened]:
