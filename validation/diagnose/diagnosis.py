@@ -184,6 +184,7 @@ class FoundNode:
     distance : [m] to that
     named_place, named_evidence : the place with a name that would explain most, and how much [nats]; empty where there is none
     looked : [nats] that looking everywhere costs
+    straight : what would explain most to first order, tolerances moving with it; None where that was not asked
     fit : of all tolerances beside it; None of one that was not fitted
     """
 
@@ -196,6 +197,7 @@ class FoundNode:
     named_place: str = entry(null="", default="")
     named_evidence: float = entry("named_evidence_nats", unit="nats", null=inf, default=0.0)
     looked: float = unwritten(default=0.0)
+    straight: Named | None = unwritten(default=None)
     fit: Fit | None = unwritten(default=None)
 
     @property

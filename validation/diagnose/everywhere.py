@@ -501,12 +501,13 @@ def found_nodes(candidate: Candidate, *, far: bool = False) -> tuple[tuple[NodeS
                 continue
             node, gain, size = search.best_node(scores, kind, far=far)
             (name, of_name), looked = search.best_name(kind), float(evidence.max()) - scores.somewhere(kind)
-            point = scores.points[node]
+            point, top = scores.points[node], int(np.argmax(evidence))
             away = np.linalg.norm(at - point, axis=1)
             near = int(np.argmin(away)) if len(away) else -1
             found.append(
                 FoundNode(
                     named=scores.named(kind, node, size),
+                    straight=scores.named(kind, top, float(scores.size[kind][top])),
                     article=scores.article,
                     evidence=gain - looked,
                     looked=looked,
@@ -539,8 +540,9 @@ def without_a_name(
     declared = [one for one in found_nodes(at_home, far=True)[1] if wanted(one.named) and _is_worth(one)]
     # A resonator far above the band is a mass, and takes a fit of three sizes: it comes last, where it promises more than those
     both = [each for some in (seen, declared) for each in [one for one in some if one.kind != RESONATOR][:FEW]]
-    for one in (*both, *(each for each in seen if each.kind == RESONATOR)):
-        kind, here, most = one.kind, one.named, -np.inf
+    starts = [(one, named) for one in both for named in (one.named, one.straight) if named is not None]
+    for one, here in (*starts, *((each, each.named) for each in seen if each.kind == RESONATOR)):
+        kind, most = one.kind, -np.inf
         if kind == RESONATOR and any(one.evidence < each.evidence + INDISTINGUISHABLE_NATS for each in found.values()):
             continue
         for _ in range(MOVES):
