@@ -5,7 +5,7 @@ What a fault's limit is, is said by the diagnosis' own screening of the null (`l
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -45,6 +45,10 @@ LARGEST: Mapping[str, float] = MappingProxyType(
 """By family, beyond which a fault is none of a laboratory: nobody overlooks it."""
 
 
+Wanted = tuple[str, int, int, float]
+"""A family, which of its faults, a sign, and the size over the limit."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class StructureCase:
     """One sealed test; its first fields are those of `benchmarks.blind.drawing.case.Case`.
@@ -56,6 +60,7 @@ class StructureCase:
     structure : seed of it and of its sensors
     test : of `TESTS`
     wanted : of every fault its family, which of them it is, its sign, and its size over the limit
+    before : the same of what the single faults of the structure before this one have, none of which it may have again
     """
 
     name: str
@@ -64,7 +69,8 @@ class StructureCase:
     shape: str
     structure: int
     test: str
-    wanted: tuple[tuple[str, int, int, float], ...] = ()
+    wanted: tuple[Wanted, ...] = ()
+    before: tuple[Wanted, ...] = ()
     leave_out: tuple[str, ...] = ()
     null: str = ""
 
@@ -96,17 +102,17 @@ def _of(null: StructureCase, name: str, number: int, generator: np.random.Genera
     named += ["structural-damping"] if null.test == FUNCTIONS else []
     everywhere = ("point-mass", "cable")
 
-    def one(family: str, multiple: float) -> tuple[str, int, int, float]:
+    def one(family: str, multiple: float) -> Wanted:
         return family, int(generator.integers(1 << 30)), int(generator.choice([-1, 1])), multiple
 
-    def made(what: str, kind: str, *wanted: tuple[str, int, int, float], leave_out: tuple[str, ...] = ()) -> StructureCase:
+    def made(what: str, kind: str, *wanted: Wanted, leave_out: tuple[str, ...] = ()) -> StructureCase:
         return replace(null, name=f"{name}-{what}", kind=kind, wanted=wanted, leave_out=leave_out)
 
     first, second = (str(each) for each in generator.choice(named, 2))
     order = [MULTIPLES[(number + k) % 3] for k in range(3)]
-    yield made("single-1", SINGLE, one(first, order[0]))
-    yield made("single-2", SINGLE, one(second, order[1]))
-    yield made("single-3", SINGLE, one(everywhere[number % 2], order[2]))
+    singles = one(first, order[0]), one(second, order[1]), one(everywhere[number % 2], order[2])
+    for k, wanted in enumerate(singles):
+        yield replace(made(f"single-{k + 1}", SINGLE, wanted), before=singles[:k])
     if number % 2:
         yield made("pair", PAIR, one(first, 15.0), one(everywhere[(number // 2) % 2], 15.0))
     else:
@@ -130,10 +136,21 @@ class Fault:
     multiple: float
 
 
-def fault(wanted: tuple[str, int, int, float], limits: Mapping[str, float]) -> Fault | None:
-    """What is `wanted` at its size; None where the data would not tell it below what is plausible."""
+def planted(case: StructureCase, limits: Mapping[str, float]) -> tuple[Fault, ...]:
+    """The faults of `case` at their sizes. For what the data would not tell below what is plausible stands a modulus, and where
+    they tell none of that, whatever they tell."""
+    found: list[Fault | None] = []
+    for family, which, sign, multiple in (*case.before, *case.wanted):
+        taken = {one.id for one in found if one is not None}
+        each = (fault((one, which, sign, multiple), limits, taken) for one in dict.fromkeys((family, *LARGEST)))
+        found.append(next((one for one in each if one is not None), None))
+    return tuple(one for one in found[len(case.before) :] if one is not None)
+
+
+def fault(wanted: Wanted, limits: Mapping[str, float], taken: Container[str] = ()) -> Fault | None:
+    """What is `wanted` at its size and not `taken`; None where the data would not tell it below what is plausible."""
     family, which, sign, multiple = wanted
-    ids = sorted(id for id in limits if id.partition(":")[0] == family)
+    ids = sorted(id for id in limits if id.partition(":")[0] == family and id not in taken)
     for k in range(len(ids)):
         id = ids[(which + k) % len(ids)]
         for times in dict.fromkeys((multiple, *(each for each in (5.0, 2.0) if each < multiple))):

@@ -17,7 +17,7 @@ import numpy as np
 
 from benchmarks.blind.names import MODEL, SETTINGS, Json
 from benchmarks.blind.structures import shapes
-from benchmarks.blind.structures.drawing import FUNCTIONS, TABLE, Fault, StructureCase, at_node, fault
+from benchmarks.blind.structures.drawing import FUNCTIONS, TABLE, Fault, StructureCase, at_node, planted
 from fem.structure import Structure, place_rows
 from fem.user_model import reading
 from geometry.atomic import write_text
@@ -55,14 +55,8 @@ KNOWN = ("modulus", "mass", "thickness", "support-stiffness", "connection-compli
 def sealed(case: StructureCase, folder: Path) -> Json:
     """The truth of `case`, whose model and test are written into `folder`."""
     plan, places, fine, band = _drawn(case.shape, case.structure)
-    faults: list[Fault] = []
-    limits = limits_of(replace(case, name="", kind="", wanted=(), leave_out=(), null="")) if case.wanted else {}
-    for k, wanted in enumerate(case.wanted):
-        found = fault(wanted, limits)
-        if found is None:  # what these data do not tell at any size that is plausible: a modulus in its place
-            found = fault(("modulus", wanted[1] + k, *wanted[2:]), limits)
-        if found is not None and found.id not in {one.id for one in faults}:
-            faults.append(found)
+    null = replace(case, name="", kind="", wanted=(), before=(), leave_out=(), null="")
+    faults = planted(case, limits_of(null)) if case.wanted else ()
     _handed_over(case, plan, places, fine, band, faults, folder)
     return truth(case, faults, places)
 

@@ -8,7 +8,7 @@ from scipy.sparse.linalg import splu
 
 from benchmarks.blind.score.structures import structure_outcome
 from benchmarks.blind.structures import sealing, shapes
-from benchmarks.blind.structures.drawing import Fault, draw
+from benchmarks.blind.structures.drawing import Fault, draw, planted
 from fem.structure import place_rows
 from validation.prediction.structure import by_itself
 from validation.virtual_test.layout import stream
@@ -21,6 +21,15 @@ def test_a_draw_is_the_same_each_time_and_has_every_kind_of_structure() -> None:
     assert cases == draw(3, KINDS, 10)
     assert {one.shape for one in cases} == set(shapes.KINDS)
     assert [sum(one.kind == kind for one in cases) for kind in KINDS] == [10, 30, 5, 5]
+
+
+def test_a_single_fault_is_one_and_none_is_drawn_twice_on_a_structure() -> None:
+    """Of a table of a frame nothing was planted, since it told no modulus either; of a plate the same modulus twice."""
+    cases = [one for one in draw(3, ("singles",), 10) if one.name.startswith("structure-005")]
+    limits = {"modulus:left": 0.2, "mass:left": 0.3, "mass:right": 2.0, "point-mass:@0,0,1": 0.1}
+    ids = [[fault.id for fault in planted(one, limits)] for one in cases]
+    assert sorted(id for some in ids for id in some) == ["mass:left", "modulus:left", "point-mass:@0,0,1"]
+    assert [len(some) for some in ids] == [1, 1, 1]
 
 
 @pytest.mark.parametrize("kind", shapes.KINDS)

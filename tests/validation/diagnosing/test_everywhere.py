@@ -333,8 +333,8 @@ def test_a_fitted_node_is_held_against_a_fitted_name_and_not_against_its_promise
 
 
 def test_the_node_that_explains_most_to_first_order_is_fitted_too(portal, tmp_path, monkeypatch):
-    """A spring on a truss at twice its limit: 336 nats and first of all nodes to first order, where tolerances move with it; 29 and
-    28th of them where it is asked of a finite size, since tolerances follow that from where they had paid for it."""
+    """A spring on a truss at twice its limit: first of all nodes to first order, 336 nats, where tolerances move with it; 28th,
+    29 nats, where it is asked of a finite size, since tolerances follow that from where they had paid for it."""
     hidden, sensors = f"cable:{at_position(HIDDEN)}:z", "a:x a:y b:x b:y c:x c:y c:z"
     study = tabled(portal(tmp_path, 10), portal(tmp_path / "fine", 30), f"{hidden}=3e5", sensors)
     base = candidates.baseline(study)
