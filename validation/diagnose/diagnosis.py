@@ -184,7 +184,8 @@ class FoundNode:
     distance : [m] to that
     named_place, named_evidence : the place with a name that would explain most, and how much [nats]; empty where there is none
     looked : [nats] that looking everywhere costs
-    straight : what would explain most to first order, tolerances moving with it; None where that was not asked
+    straight : what would explain most to first order, tolerances moving with it, which is right near a minimum; None where that
+        was not asked
     fit : of all tolerances beside it; None of one that was not fitted
     """
 

@@ -494,26 +494,23 @@ def found_nodes(candidate: Candidate, *, far: bool = False) -> tuple[tuple[NodeS
     for search in MeshSearch.of(candidate):
         scores = search.scores()
         every.append(scores)
-        named = places_of(scores.structure)
-        at = np.array([*named.values()]).reshape(-1, 3)
         for kind, evidence in scores.evidence.items():
             if evidence.max() < PROMISING:
                 continue
             node, gain, size = search.best_node(scores, kind, far=far)
             (name, of_name), looked = search.best_name(kind), float(evidence.max()) - scores.somewhere(kind)
             point, top = scores.points[node], int(np.argmax(evidence))
-            away = np.linalg.norm(at - point, axis=1)
-            near = int(np.argmin(away)) if len(away) else -1
+            nearest, distance = nearest_place(scores.structure, point)
             found.append(
                 FoundNode(
                     named=scores.named(kind, node, size),
-                    straight=scores.named(kind, top, float(scores.size[kind][top])),
+                    straight=None if far else scores.named(kind, top, float(scores.size[kind][top])),
                     article=scores.article,
                     evidence=gain - looked,
                     looked=looked,
                     position=(float(point[0]), float(point[1]), float(point[2])),
-                    nearest=list(named)[near] if len(away) else "",
-                    distance=float(away[near]) if len(away) else None,
+                    nearest=nearest,
+                    distance=distance,
                     named_place=name,
                     named_evidence=of_name,
                 )
@@ -575,6 +572,11 @@ def without_a_name(
             named = replace(one.named, targets=(one.named_place, *one.named.targets[1:]))
             there = fit_in_place(data, stood[kind], base, Added(named=named))
             found[kind] = replace(one, named_evidence=there.fit.log_evidence - base.fit.log_evidence)
+    on = [one for one in base.problem.predictions if isinstance(one, OnNodes)]
+    structures = {_known(one).configuration: whole.structure for one in on if (whole := nodes_of(one))}
+    for kind, one in found.items():  # which moved from where it was asked first
+        nearest, distance = nearest_place(structures[one.article], np.array(one.position))
+        found[kind] = replace(one, nearest=nearest, distance=distance)
     return tuple(sorted((one for one in found.values() if _is_worth(one)), key=lambda one: -one.evidence))
 
 
@@ -654,6 +656,13 @@ def with_twins(data: Study, at: Candidate, steps: Sequence[SearchStep]) -> tuple
 
 def _is_worth(node: FoundNode) -> bool:
     return node.evidence >= max(evidence_threshold(node.named.family), node.named_evidence + INDISTINGUISHABLE_NATS)
+
+
+def nearest_place(structure: Structure, point: Array) -> tuple[str, float | None]:
+    """The named place of `structure` nearest to `point` (3,) [m], and its distance [m]; empty where none has coordinates."""
+    away = {name: float(np.linalg.norm(place - point)) for name, place in places_of(structure).items()}
+    nearest = min(away, key=away.__getitem__, default="")
+    return nearest, away.get(nearest)
 
 
 def places_of(structure: Structure) -> dict[str, Array]:

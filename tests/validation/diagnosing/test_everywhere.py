@@ -343,8 +343,11 @@ def test_the_node_that_explains_most_to_first_order_is_fitted_too(portal, tmp_pa
     monkeypatch.setattr(everywhere, "found_nodes", lambda of, far: ((), ()))
     monkeypatch.setattr(everywhere, "MOVES", 1)
     assert best.straight is not None
-    (found,) = without_a_name(study, base, [replace(best, named=elsewhere)])
+    (found,) = without_a_name(study, base, [replace(best, named=elsewhere, nearest="a", distance=9.0)])
     assert np.linalg.norm(np.array(position(found.named.target)) - HIDDEN) < 0.04
+    assert found.nearest == best.nearest  # of where it is, not of where it was asked first
+    assert found.distance is not None
+    assert found.distance < 0.1
 
 
 @pytest.mark.parametrize(("sensors", "alike"), [("c:y c:z", True), ("c:x c:y c:z", False)])
