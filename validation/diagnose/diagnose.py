@@ -81,8 +81,7 @@ def diagnosed(
     Raises
     ------
     BadInput : one of `only` could not act on these data.
-    CheckFailed : the baseline does not converge, and no single effect of the structure explains why; an unconverged baseline
-        makes any effect look decisive.
+    CheckFailed : a model that breaks down.
     """
     tell = progress or (lambda what, share: None)
     tell("looking for mistakes", 0.0)
@@ -120,8 +119,6 @@ def diagnosed(
         if placed is not None:
             right, at, more = placed
             steps, afar = (*steps, *(replace(one, screened=steps[-1].screened) for one in more)), None
-        if not at.effects and afar is None:
-            base.fit.required()
         if afar is None and goodness_of_fit(at.fit, at.problem).null:
             right, at, more = with_twins(right, at, steps)
             steps = (*steps, *more)
@@ -175,7 +172,7 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
     best, stands = best_step(found, steps), goodness_of_fit(found.fit, problem)
     last = {one.added: one for one in steps if one.added}
     same = {one.named.id: last[one.named.id].same_as(one.named.id) if one.named.id in last else () for one in found.effects}
-    if not stands.null or left.gain > LEFT:
+    if not stands.null or left.gain > LEFT or not (found.fit.converged or found.effects):
         verdict = diagnosis.UNKNOWN
     elif not found.effects:
         verdict = diagnosis.NOTHING
@@ -211,7 +208,8 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         classes = [last[one.named.id].indistinguishable for one in named if one.named.id in last]
         parting = [advised(study, [each.candidate for each in one]) for one in classes if len(one) > 1]
         advice = (*(one for some in parting for one in some if one.gain > 0), *advice)
-    told = [] if found.fit.converged else ["the fit of what was found did not converge: its sizes are not the last word"]
+    ended = found.fit.converged or not found.effects
+    told = [] if ended else ["the fit of what was found did not converge: its sizes are not the last word"]
     told += search.left_of_reduction(study, found)
     for moved in tolerances(found.fit)[:1] if verdict == diagnosis.NOTHING else ():
         by_chance = max(found.fit.tolerances * erfc(abs(moved.z) / sqrt(2)), RAREST)
@@ -422,6 +420,8 @@ def indistinguishable_ids(named: Sequence[Added], steps: Sequence[SearchStep]) -
 def text_of_unknown(found: diagnosis.Candidate, best: SearchStep, left: Explanation) -> str:
     """Why no name will do for an unknown effect."""
     why = goodness_of_fit(found.fit, found.problem).text or f"{left.gain:.0f} nats are left that have no name"
+    if not found.effects and not found.fit.converged:
+        why = f"{found.fit.unfinished}, and no single effect of the structure makes it converge. Where it stopped {why}"
     if found.effects:
         return f"With {' and '.join(one.named.id for one in found.effects)}, which comes closest, {why}"
     if not best.tried:

@@ -418,12 +418,17 @@ class Fit:
         CheckFailed : it did not; says in which parameters.
         """
         if not self.converged:
-            named = ", ".join(f"{name} ({step:+.1f})" for name, step in self.ahead.items())
-            raise CheckFailed(
-                f"the fit of {len(self.parameters)} parameters did not converge: its next step is still many standard "
-                f"deviations in {named}; start from a nearer model, or declare more of it as unknown"
-            )
+            raise CheckFailed(f"{self.unfinished}; start from a nearer model, or declare more of it as unknown")
         return self
+
+    @property
+    def unfinished(self) -> str:
+        """Where a fit that did not converge would still go, in words."""
+        named = ", ".join(f"{name} ({step:+.1f})" for name, step in self.ahead.items())
+        return (
+            f"the fit of {len(self.parameters)} parameters did not converge: its next step is still many standard "
+            f"deviations in {named}"
+        )
 
     @property
     def sound(self) -> bool:

@@ -3,12 +3,11 @@
 from collections.abc import Callable
 from functools import cache
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
-from geometry.errors import CheckFailed
 from identification.quality import NORMAL_90
 from validation.cli import main
 from validation.compare.compare import compared
@@ -102,13 +101,19 @@ def test_a_tolerance_that_moves_farther_than_chance_would_is_told_where_it_has_n
     assert not any("the fit moved" in one for one in sound.remarks)
 
 
-def test_a_model_that_does_not_converge_is_refused_where_nothing_from_afar_rescues_it(made, monkeypatch):
+def test_what_keeps_a_model_from_converging_is_unknown_where_nothing_from_afar_rescues_it(made, monkeypatch):
     """As if its fit had stopped where it begins; `test_search.py` has one that is rescued."""
     study = made(f"{GAIN}=0.15")
     stopped = unfitted(study.problem(), FITTED, {})
     monkeypatch.setattr(Study, "all_free", lambda study, progress=None: stopped)
-    with pytest.raises(CheckFailed, match="did not converge"):
-        diagnosed(study, only=["orientation"])
+    found = diagnosed(study, only=["orientation"])
+    assert (found.verdict, found.accepted) == (diagnosis.UNKNOWN, ())
+    assert found.leftover is not None
+    best, left = SimpleNamespace(tried=()), SimpleNamespace(gain=0.0)
+    at = diagnosis.Candidate(effects=(), fit=stopped, problem=study.problem())
+    text = diagnose.text_of_unknown(at, cast(Any, best), cast(Any, left))
+    assert "did not converge: its next step is still many standard deviations in" in text
+    assert "Where it stopped" in text
 
 
 def test_a_size_is_what_the_data_say_however_much_smaller_a_fault_plausibly_is():
