@@ -16,7 +16,7 @@ from validation.diagnose.candidates import has_lines, is_resonator, sizes
 from validation.diagnose.diagnosis import EffectEstimate
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS, STRUCTURE, evidence_threshold
-from validation.estimation.fit import BREAKDOWNS, COARSE, nearby
+from validation.estimation.fit import BREAKDOWNS, COARSE, RESTARTS, STRIDE, nearby
 from validation.estimation.likelihood import ends_of
 from validation.estimation.problem import FITTED, Fit, Parameter
 from validation.model.model import Added
@@ -274,7 +274,7 @@ class DistantView:
         def cost(one: LandmarkFit) -> float:
             """Of the fit of all lines; none where there are no lines."""
             if one.ids not in costs:
-                told = line_fit(data, one.effects)
+                told = line_fit(data, one.effects, roughly=True)
                 costs[one.ids] = float("nan") if told is None else told.cost
             return costs[one.ids]
 
@@ -531,12 +531,18 @@ def _diverse(found: Sequence[Added], most: int) -> list[Added]:
     return kept[:most]
 
 
-def line_fit(data: Study, effects: Sequence[Added]) -> Fit | None:
+def line_fit(data: Study, effects: Sequence[Added], *, roughly: bool = False) -> Fit | None:
     """The fit of all lines of the response functions of `data` with `effects`, from the sizes at which they stand, over the floor
-    of what is still far; None where there are no lines, or none is found."""
+    of what is still far; None where there are no lines, or none is found.
+
+    Parameters
+    ----------
+    roughly : whether every third line will do, and one beginning: explanations differ by a share of what they cost
+    """
     problem = data.problem(effects)
     if not all(has_lines(one) for one in problem.predictions):
         return None
     with suppress(CheckFailed):
-        return nearby(problem, FITTED, problem.start, floor=COARSE[0])
+        stride, again = (STRIDE, 0) if roughly else (1, RESTARTS)
+        return nearby(problem.sparser(stride), FITTED, problem.start, floor=COARSE[0], again=again)
     return None

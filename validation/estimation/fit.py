@@ -393,15 +393,24 @@ def child(
     return fitted(end)
 
 
-def nearby(problem: Problem, kinds: Sequence[str], start: Offsets, *, floor: float | None = None, worth: float = inf) -> Fit:
-    """The fit to which the way leads straight down from `start`, as far as it ends; `floor` as in `fit`, `worth` of `Cost`.
+def nearby(
+    problem: Problem,
+    kinds: Sequence[str],
+    start: Offsets,
+    *,
+    floor: float | None = None,
+    worth: float = inf,
+    again: int = RESTARTS,
+) -> Fit:
+    """The fit to which the way leads straight down from `start`, as far as it ends; `floor` as in `fit`, `worth` of `Cost`, `again`
+    as in `direct`.
 
     Raises
     ------
     CheckFailed : the model breaks down where it begins.
     """
     cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor, plain=SENSOR not in kinds)
-    return fitted(direct(replace(cost, worth=worth), start, lambda share: None))
+    return fitted(direct(replace(cost, worth=worth), start, lambda share: None, again=again))
 
 
 def unfitted(problem: Problem, kinds: Sequence[str], offsets: Offsets) -> Fit:
