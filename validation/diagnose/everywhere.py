@@ -549,7 +549,10 @@ def without_a_name(
             ready = data.ready_at([here.target], anew=False)
             start, effect = replace(base, problem=ready.problem(base.effects)), Added(named=here)
             way, enough = restarted_from_priors if can_restart(effect) else fit_with, worth(base, tried)
-            there = way(ready, start, effect, worth=enough)
+            try:
+                there = way(ready, start, effect, worth=enough)
+            except CheckFailed:  # over the coordinates of this node the model breaks down
+                break
             tried.append(candidate_fit(base, there))
             if there.fit.log_evidence <= most:
                 break

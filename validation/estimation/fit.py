@@ -377,20 +377,27 @@ def child(
     from_afar : whether the floor is annealed on the way, instead of straight down
     close : [sd] that the last step straight down may be
     worth : as of `Cost`; at most what its parent costs
+
+    Raises
+    ------
+    CheckFailed : the model breaks down where it begins and, of a structure over other coordinates, where the parent ended.
     """
     cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor, plain=SENSOR not in kinds)
     cost, null = replace(cost, worth=min(worth, parent.cost)), parents_point(cost.free, parent)
-    try:
+    ends: list[End] = []
+    with suppress(CheckFailed):
         begin = {**null, **start}
         if from_afar:
-            end = annealed(cost, begin, lambda share: None, most=TRIAL, steps=TRIAL)
+            ends.append(annealed(cost, begin, lambda share: None, most=TRIAL, steps=TRIAL))
         else:
-            end = direct(cost, begin, lambda share: None, close=close, most=TRIAL, again=1)
-    except CheckFailed:
-        return fitted(ended(cost, null, converged=False))
-    if end.whole.cost > parent.cost:
-        end = min(end, ended(cost, null, converged=False), key=lambda one: one.whole.cost)
-    return fitted(end)
+            ends.append(direct(cost, begin, lambda share: None, close=close, most=TRIAL, again=1))
+    if not ends or ends[0].whole.cost > parent.cost:
+        try:
+            ends.append(ended(cost, null, converged=False))
+        except BREAKDOWNS as error:  # over other coordinates than its parent's
+            if not ends:
+                raise CheckFailed(f"the model breaks down where its fit begins: {error}") from error
+    return fitted(min(ends, key=lambda one: one.whole.cost))
 
 
 def nearby(
@@ -402,8 +409,8 @@ def nearby(
     worth: float = inf,
     again: int = RESTARTS,
 ) -> Fit:
-    """The fit to which the way leads straight down from `start`, as far as it ends; `floor` as in `fit`, `worth` of `Cost`, `again`
-    as in `direct`.
+    """The fit to which the way leads straight down from `start`, as far as it ends; `floor` as in `fit`, `worth` of `Cost`, and
+    `again` as in `direct`.
 
     Raises
     ------

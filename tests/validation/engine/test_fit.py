@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from geometry.errors import BadInput, CheckFailed
 from identification.self_calibration.solve import Normal, Solution, minimise
 from validation.estimation import fit as fit_module
-from validation.estimation.fit import FINE, FLOOR, PLAIN_FLOOR, STRIDE, annealed, direct, fit, parents_point, start
+from validation.estimation.fit import FINE, FLOOR, PLAIN_FLOOR, STRIDE, annealed, child, direct, fit, parents_point, start
 from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import (
     DECLARED,
@@ -296,6 +296,17 @@ def test_a_child_that_finds_nothing_keeps_its_parents_point_and_is_converged_the
     without, having = with_offset(lab, TRUTH)
     parent = fit(Problem((without,)), PLAIN)
     assert fit(Problem((having,)), PLAIN, start=parent).converged
+
+
+def test_where_a_parent_ended_may_break_down_of_a_child_over_other_coordinates(lab):
+    """With a node of a barrel among them its stiffness had no square root where the fit without it had ended: a traceback."""
+    without, having = with_offset(lab, {**TRUTH, "offset": 0.3})
+    parent = replace(fit(Problem((without,)), PLAIN), cost=0.0)  # so that where it ended is asked for
+    at_null = Problem((replace(having, twist=lab.breaking(lambda offsets: not offsets.get("offset", 0.0))),))
+    found = child(at_null, PLAIN, parent, {"offset": 0.2})
+    assert_allclose(found.by_name["offset"], 0.3, atol=0.01)
+    with pytest.raises(CheckFailed, match="breaks down where its fit begins: a stiffness turned negative"):
+        child(Problem((replace(having, twist=lab.breaking(lambda offsets: True)),)), PLAIN, parent, {"offset": 0.2})
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
