@@ -30,9 +30,6 @@ from validation.prediction.effects import Nuisances
 from validation.prediction.mounting import MountedArticle
 from validation.prediction.tangents import FIELDS, LOSS_COUPLING, Tangent, full, with_damping_law, with_losses_by_mode
 
-FEW = 3
-"""Up to so many coordinates a sum of outer products is the quicker way."""
-
 ENTRIES = 1 << 17
 """[count] of entries of the matrices of as many lines as are solved at once: 2 MB, which stay in a cache."""
 
@@ -264,12 +261,20 @@ class Condensed:
         """`rows` (..., k) of what each coordinate moves."""
         return rows @ self.directions
 
-    def of_tangent(self, change: Tangent) -> Tangent:
-        """How the condensed matrices change, the directions held: the answers, which lie in them, say no more."""
-        W = self.directions[change.at]
-        still = np.zeros((W.shape[1], W.shape[1]))
-        M, K, C, S = (W.T @ change.times(name, W) if getattr(change, name).any() else still for name in FIELDS)
-        return Tangent(at=np.arange(W.shape[1]), mass=M, stiffness=K, viscous=C, structural=S)
+    def tangents(self, answered: CondensedTransfer, changes: Mapping[str, Tangent]) -> dict[str, ComplexArray]:
+        """By parameter d matrix / d offset, (n, r, d), of what was `answered` on the fewer coordinates; these are held: answers,
+        which lie in them, say no more. What changes one row and its column alone is met on the coordinates that it has."""
+        W, whole, crossing = self.directions, dict[str, Tangent](), dict[str, Tangent]()
+        for name, change in changes.items():
+            if change.crossing is not None:
+                crossing[name] = change
+                continue
+            own, still = W[change.at], np.zeros((W.shape[1], W.shape[1]))
+            M, K, C, S = (own.T @ (one @ own) if (one := getattr(change, field)).any() else still for field in FIELDS)
+            whole[name] = Tangent(at=np.arange(len(still)), mass=M, stiffness=K, viscous=C, structural=S)
+        sides = (np.ascontiguousarray(side).view(np.float64) for side in (answered.left, answered.right))
+        left, right = (np.tensordot(W, side, axes=1).view(np.complex128) for side in sides)
+        return transfer_tangents(answered, whole) | transfer_tangents(replace(answered, left=left, right=right), crossing)
 
 
 def _modes_near(matrices: Matrices, omega: Array) -> tuple[Array, Array] | None:
@@ -326,8 +331,6 @@ def _product(left: ComplexArray, matrix: Array, right: ComplexArray, crossing: i
         return np.asarray(left[crossing][:, :, None] * over_right[:, None] + over_left[:, :, None] * right[crossing][:, None])
     k, n, d = right.shape
     pulled = (matrix @ right.reshape(k, n * d).view(np.float64)).view(np.complex128).reshape(k, n, d)
-    if k <= FEW:
-        return np.asarray(np.sum(left[:, :, :, None] * pulled[:, :, None, :], axis=0))
     return np.asarray(left.transpose(1, 2, 0) @ pulled.transpose(1, 0, 2))
 
 

@@ -287,7 +287,6 @@ class ResponseFunctionTest:
         condensed = dynamic_mass.Condensed.of(matrices, dynamic_mass.turning(f, decay), np.vstack([rows, forces]).T)
         if condensed is not None:
             matrices = condensed.matrices
-            tangents = {name: condensed.of_tangent(change) for name, change in tangents.items() if derivatives}
             rows, forces = condensed.of_rows(rows), condensed.of_rows(forces)
         answered = dynamic_mass.accelerance(matrices, f, rows, forces, decay_rate=decay)
         whole = answered.matrix
@@ -295,7 +294,8 @@ class ResponseFunctionTest:
             left, right = (np.ascontiguousarray(side[:, :, :n]) for side, n in ((answered.left, c), (answered.right, r)))
             answered = replace(answered, matrix=whole[:, :c, :r], left=left, right=right)
         T = answered.matrix
-        dT = dynamic_mass.transfer_tangents(answered, tangents) if derivatives else {}
+        of_tangents = dynamic_mass.transfer_tangents if condensed is None else condensed.tangents
+        dT = of_tangents(answered, tangents) if derivatives else {}
         left, right = answered.left.transpose(1, 2, 0), answered.right.transpose(1, 2, 0)  # (n, c, k), (n, r, k)
         for name in _wanted(of_responses.changes, derivatives):
             at, row = of_responses.changes[name]

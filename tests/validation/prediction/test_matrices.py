@@ -19,6 +19,7 @@ from geometry.routes import inertia
 from validation.effects.stages import Matrices
 from validation.prediction import dynamic_mass, mounting
 from validation.prediction import structure as prediction_structure
+from validation.prediction.effects import nuisances
 from validation.prediction.tangents import FIELDS, Tangent, crossed, full, of_arrays, plus
 
 LINES = np.linspace(4.0, 32.0, 57)
@@ -334,9 +335,28 @@ def test_a_structure_is_condensed_to_what_it_does_over_a_band_and_neither_answer
     condensed = dynamic_mass.accelerance(few.matrices, LINES, few.of_rows(rows), few.of_rows(rows[0]))
     np.testing.assert_allclose(condensed.matrix, answered.matrix, rtol=0, atol=1e-8 * np.abs(answered.matrix).max())
     due = dynamic_mass.transfer_tangents(answered, {"part": part, "mode": mode})
-    found = dynamic_mass.transfer_tangents(condensed, {"part": few.of_tangent(part), "mode": few.of_tangent(mode)})
+    found = few.tangents(condensed, {"part": part, "mode": mode})
     for name, change in due.items():
         np.testing.assert_allclose(found[name], change, rtol=0, atol=dynamic_mass.SPANNED * np.abs(change).max())
+
+
+def test_what_turns_two_modes_or_moves_one_is_made_no_whole_matrix_where_it_is_condensed(turned, monkeypatch):
+    m, _ = turned
+    rows = np.array([dynamic_mass.along(m, place, [0.6, 0.8, 0.0]) for place in ("mast-top", "hub-1")])
+    few = dynamic_mass.Condensed.of(m, 2 * np.pi * LINES, rows.T)
+    condensed = dynamic_mass.accelerance(few.matrices, LINES, few.of_rows(rows), few.of_rows(rows[0]))
+    answered = dynamic_mass.accelerance(m, LINES, rows, rows[0])
+    of = nuisances("clumod", m, np.sqrt(np.diag(m.stiffness)[:12]) / (2 * np.pi), {})
+    now = {name: one for name, one in of.at({})[1].items() if name.split(":")[0] in ("mixing", "coupling", "frequency")}
+    assert len(now) == 12 + 2 * len(of.pairs) > 12
+    asked, product = [], dynamic_mass._product
+    monkeypatch.setattr(dynamic_mass, "_product", lambda *of: asked.append(of[1].ndim) or product(*of))
+    found = few.tangents(condensed, now)
+    assert set(asked) == {1}
+    due = dynamic_mass.transfer_tangents(answered, now)
+    for family in ("mixing", "coupling", "frequency"):
+        told, asked = (np.array([one for name, one in of.items() if name.startswith(family)]) for of in (found, due))
+        np.testing.assert_allclose(told, asked, rtol=0, atol=dynamic_mass.SPANNED * np.abs(asked).max())
 
 
 @pytest.mark.parametrize("lost", [0.0, 0.01, 0.5])
@@ -368,7 +388,7 @@ def test_what_is_stiff_is_right_beside_what_is_soft_each_by_its_own_size():
     assert apart.max() < dynamic_mass.SPANNED
     change = of_arrays(n, stiffness=changed)
     due = dynamic_mass.transfer_tangents(answered, {"root": change})["root"]
-    found = dynamic_mass.transfer_tangents(condensed, {"root": few.of_tangent(change)})["root"]
+    found = few.tangents(condensed, {"root": change})["root"]
     assert (np.abs(found - due).max(axis=0) / np.abs(due).max(axis=0)).max() < 1e-2
 
 
