@@ -273,6 +273,22 @@ def test_what_is_far_above_the_band_is_solved_at_few_lines_and_answers_at_all_of
     assert sum(len(at) for at, rows in asked if set(far) & set(rows)) == dynamic_mass.NODES + 1
 
 
+@pytest.mark.parametrize("decay", [0.0, 0.4])
+def test_what_all_coordinates_answer_to_any_place_takes_inverses_of_the_near_ones_alone_at_every_line(decay, monkeypatch):
+    m = made("clumod-4", LOSSES)
+    at = dynamic_mass.turning(np.linspace(4.0, 32.0, 5 * dynamic_mass.NODES), decay)
+    row, b = np.random.default_rng(2).standard_normal((3, len(m.mass) - m.base)), m.base
+    due = np.linalg.solve(dynamic_mass.dynamic_matrix(m, at)[:, b:, b:], np.broadcast_to(row.T, (len(at), *row.T.shape)))
+    shapes, inverse = [], np.linalg.inv
+    monkeypatch.setattr(np.linalg, "inv", lambda of: shapes.append(of.shape) or inverse(of))
+    of_rows = dynamic_mass.answering(m, at)
+    assert sum(np.prod(shape) for shape in shapes) < 0.5 * len(at) * row.shape[1] ** 2
+    np.testing.assert_allclose(of_rows(row), due, rtol=0, atol=1e-10 * np.abs(due).max())
+    short = row[:, :-2]  # of a place that what came behind does not move
+    due = np.linalg.solve(dynamic_mass.dynamic_matrix(m, at)[0, b:, b:], np.pad(short, ((0, 0), (0, 2))).T)
+    np.testing.assert_allclose(of_rows(short)[0], due, rtol=0, atol=1e-10 * np.abs(due).max())
+
+
 def test_coordinates_whose_coupling_brings_them_into_the_band_are_solved_at_every_line():
     K = (2 * np.pi * 70) ** 2 * np.array([[0, 0, 0], [0, 1, 0.9], [0, 0.9, 1.0]])  # each by itself at 70 Hz, one of both at 22
     M = np.array([[1.0, 0.1, 0.2], [0.1, 1, 0], [0.2, 0, 1]])
