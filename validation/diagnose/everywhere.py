@@ -467,8 +467,7 @@ def _known(one: OnNodes) -> Nuisances:
 
 def _answers(of: fit.Swallowing, readings: ComplexArray) -> fit.Answers:
     """Of changes of the readings (r, m, c, q)."""
-    kept = of.of.kept(readings * of.of.weight[..., None], np.arange(readings.shape[2]))
-    return of.answers(np.moveaxis(kept, -1, 0))
+    return of.answers(np.moveaxis(of.of.kept(readings * of.of.weight[..., None], np.arange(readings.shape[2])), -1, 0))
 
 
 def _resonator(frequency: Array, own: float, ratio: float) -> ComplexArray:

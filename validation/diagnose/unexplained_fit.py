@@ -283,8 +283,7 @@ class Swallowing:
     @cached_property
     def _real(self) -> Array:
         """(2 m r c, a) real and imaginary part of `moved`, one below the other."""
-        moved = self.moved.reshape(-1, self.moved.shape[-1])
-        return np.stack([moved.real, moved.imag], axis=1).reshape(2 * len(moved), -1)
+        return np.stack([self.moved.real, self.moved.imag], axis=-2).reshape(-1, self.moved.shape[-1])
 
     def on(self, channels: npt.NDArray[np.int64]) -> tuple[ComplexArray, ComplexArray]:
         """(m, r c', 1) whitened residuals and (m, r c', a) what the parameters do, of `channels` (c',); kept, since many ask."""

@@ -168,8 +168,9 @@ class ResponseFunctionTest:
 
         def at(row: Array) -> Callable[[Array, Array], ComplexArray]:
             own = row @ gives(row)[:, : row.shape[1]]
-            sides = (np.tensordot(row, side[: row.shape[1]], axes=1) for side in (answered.left, answered.right))
-            left, right = (side.transpose(1, 0, 2) for side in sides)
+            left, right = (
+                np.tensordot(row, side[: row.shape[1]], 1).transpose(1, 0, 2) for side in (answered.left, answered.right)
+            )
 
             def read(mass: Array, spring: Array) -> ComplexArray:
                 axes = np.flatnonzero((mass != 0) | (spring != 0))
