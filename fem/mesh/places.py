@@ -49,9 +49,6 @@ QUARTERS = {
 }
 """Corners of the faces of a solid element, by its shape."""
 
-
-SIX = np.arange(6)
-
 TRACE = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 """What makes of a strain, as `solids.strains` has it, the sum of its diagonal."""
 
@@ -331,21 +328,20 @@ class Elements:
             if few := len(own) < k:  # of a small part each degree of freedom by itself
                 moved, k = np.zeros((len(whole), len(own))), len(own)
                 moved[own, np.arange(k)] = 1.0
-            for pieces in (self._solid_pieces(part, moved), self._shell_pieces(part, moved)):
-                if not pieces:
-                    continue
+            for pieces in filter(None, (self._solid_pieces(part, moved), self._shell_pieces(part, moved))):
                 corners, at = np.unique(np.concatenate([each.ravel() for each, _ in pieces]), return_inverse=True)
-                total, weight, passed = np.zeros(()), np.zeros(len(corners)), 0
-                for each, made in pieces:
-                    where = at[passed : (passed := passed + each.size)]
+                places = np.split(at, np.cumsum([each.size for each, _ in pieces[:-1]]))
+                mean, weight, energy = np.zeros((0, 0)), np.zeros((len(corners), 1)), np.zeros((k, k))
+                for (each, made), where in zip(pieces, places, strict=True):
                     overlaps, strains = made()
+                    mean = mean if mean.size else np.zeros((len(corners), strains.size // each.size))
+                    met, there = np.unique(where, return_inverse=True)  # of all corners a piece has few
                     extents = np.repeat(overlaps.sum(axis=(1, 2)), each.shape[1])
-                    gather = csr_array((extents, (where, np.arange(each.size))), shape=(len(corners), each.size))
-                    total = total + gather @ strains.reshape(each.size, -1)
-                    weight += gather.sum(axis=1)
-                mean, energy, passed = total / weight[:, None], np.zeros((k, k)), 0
-                for each, made in pieces:
-                    where = at[passed : (passed := passed + each.size)]
+                    gather = csr_array((extents, (there, np.arange(each.size))), shape=(len(met), each.size))
+                    mean[met] += gather @ strains.reshape(each.size, -1)
+                    weight[met, 0] += gather.sum(axis=1)
+                mean /= weight
+                for (_, made), where in zip(pieces, places, strict=True):
                     overlaps, strains = made()
                     jumps = mean[where].reshape(strains.shape) - strains
                     spread = np.einsum("cab,cbtm->catm", overlaps, jumps, optimize=True)

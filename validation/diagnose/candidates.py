@@ -340,8 +340,9 @@ class AnySize:
         by_name = {one.measured.name: one for one in self.problem.predictions}
         there = {**self.offsets, self.told.name: self.offsets.get(self.told.name, 0.0) + offset}
         moved = [one for one in self.tests if any(of.name == self.told.name for of in by_name[one.of.name].parameters)]
-        told = [one.read(by_name[one.of.name].at(there, one.of.lines, derivatives=False).rows) for one in moved or self.tests]
-        slope, swallowed = self.tests[0].slope, np.sum([one.swallowed for one in told], axis=0)
+        made = ((one, by_name[one.of.name].at(there, one.of.lines, derivatives=False)) for one in moved or self.tests)
+        told = [one.answers(one.beyond(read.rows)[None]) for one, read in made]
+        slope, swallowed = self.tests[0].slope, np.sum([one.swallowed[0] for one in told], axis=0)
         for own in [one.root[one.names.index(self.told.name)] for one in self.tests if self.told.name in one.names][:1]:
             slope, swallowed = (each - own * float(own @ each) / float(own @ own) for each in (slope, swallowed))
         score, own = (np.sum([getattr(one, what) for one in told]) for what in ("score", "own"))
@@ -377,7 +378,7 @@ class AnySize:
             slope, answers = self._read(offset)
         except BREAKDOWNS:
             return -np.inf
-        return gain([answers], slope)
+        return float(gain([answers], slope))
 
     def detectable(self, plausible: float, evidence: float, side: int = 1) -> float:
         """As `ScoreTest.detectable`, of the size that it tells, to that `side`; infinite where none that is allowed does."""

@@ -15,6 +15,7 @@ Probability, 1961, section 1.6: a law of which one constant is not known).
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -46,7 +47,7 @@ from validation.estimation.fit import BREAKDOWNS, FLOOR
 from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import Fit, Prediction, Problem
 from validation.model.model import Added
-from validation.prediction.dynamic_mass import AttachedResponse, Finite
+from validation.prediction.dynamic_mass import Finite
 from validation.prediction.effects import UNSEEN, Nuisances
 from validation.prediction.structure import ReducedStructure
 from validation.prediction.structure_tests import OnNodes
@@ -63,6 +64,10 @@ tests/validation/diagnosing/test_everywhere.py."""
 SURVEYED = 128
 """[count] of nodes, spread over the structure, at which frequency and damping of a resonator are looked up, and all else from
 afar. Exercised by tests/validation/diagnosing/test_everywhere.py."""
+
+KEPT = 5e8
+"""[B] that is kept of what coordinates answer to places, three complex numbers a coordinate, line and place. Held by
+tests/validation/diagnosing/test_everywhere.py."""
 
 PRODUCTS = 1e10
 """[count] of readings times parameters times nodes, about a minute's work; beyond them nodes say what the nearest of those says
@@ -272,7 +277,7 @@ class MeshSearch:
         """
         answers: dict[str, list[fit.Answers]] = {}
         for of, prediction in self.tests:
-            made = _attached(self.offsets, of, prediction, where)
+            made = prediction.attached(self.offsets, of.of.lines, where(_known(prediction)), of.of.inputs)
             mass = made.readings.sum(axis=-1)
             answers.setdefault(MASS, []).append(_answers(of, mass))
             for axis, kind in enumerate(SPRINGS):
@@ -320,7 +325,7 @@ class MeshSearch:
         places = [(float(f), ratio) for ratio in DAMPING for f in every]
         answers = []
         for of, one in lined:
-            mass = _attached(self.offsets, of, one, some).readings.sum(axis=-1)
+            mass = one.attached(self.offsets, of.of.lines, some(_known(one)), of.of.inputs).readings.sum(axis=-1)
             products = fit.products(of, mass, np.arange(mass.shape[2]))
             courses = np.stack([_resonator(of.of.frequency, f, ratio) for f, ratio in places])
             answers.append(fit.following(products, courses, of.root))
@@ -343,15 +348,28 @@ class MeshSearch:
         rows = [where(_known(one))[0] for _, one in self.tests]
         asked = tuple(row.tobytes() for row in rows)
         if asked not in self._reads:  # of every kind the same places; what each holds may be megabytes
-            if len(self._reads) >= SURVEYED:
+            a_place = sum(48 * left.of.values.shape[1] * len(_known(one).nominal.mass) for left, one in self.tests)
+            if len(self._reads) >= min(SURVEYED, KEPT / a_place):
                 self._reads.clear()
             self._reads[asked] = tuple(of(row) for of, row in zip(self.finite, rows, strict=True))
         reads = self._reads[asked]
 
-        def at(octave: float) -> float:
-            return self._at(kind, reads, float(sign * spread * np.exp2(octave)), spread)
+        along = np.ones(3) if kind == MASS else np.arange(3) == SPRINGS.index(kind)
 
-        found = sorted((float(octave), at(float(octave))) for octave in octaves)
+        def at(some: Array) -> list[tuple[float, float]]:  # what tolerances take of them, hundreds of columns, is asked at once
+            told, beyond, sizes = np.full(len(some), -np.inf), dict[int, list[ComplexArray]](), np.exp2(some)
+            for k, added in enumerate(sign * spread * sizes[:, None] * along):
+                with suppress(*BREAKDOWNS):
+                    read = [one(added, 0 * added) if kind == MASS else one(0 * added, added) for one in reads]
+                    beyond[k] = [left.beyond(rows) for (left, _), rows in zip(self.tests, read, strict=True)]
+            if beyond:
+                each = zip(self.tests, zip(*beyond.values(), strict=True), strict=True)
+                answers = [left.answers(np.stack(columns)) for (left, _), columns in each]
+                gain, square = fit.gain(answers, self.tests[0][0].slope) + self.brought, sizes[[*beyond]] ** 2
+                told[[*beyond]] = gain - 0.5 * square - 0.5 * np.log1p(2 * np.maximum(gain, 0.0) / square)
+            return list(zip(some.tolist(), told.tolist(), strict=True))
+
+        found = sorted(at(octaves))
         for _ in range(nearer):
             best = max(range(len(found)), key=lambda k: found[k][1])
             if not 0 < best < len(found) - 1:
@@ -361,7 +379,7 @@ class MeshSearch:
             if not np.isfinite(left - right) or left == right:
                 break
             top = x1 - 0.5 * ((x1 - x0) * left - (x1 - x2) * right) / (left - right)
-            found = sorted([*found, (top, at(top))])
+            found = sorted([*found, *at(np.array([top]))])
         octave, gain = max(found, key=lambda one: one[1])
         return gain, float(sign * spread * np.exp2(octave))
 
@@ -434,22 +452,6 @@ class MeshSearch:
         """By test, what is read with a mass or a spring of any size."""
         return tuple(one.finite(self.offsets, left.of.lines) for left, one in self.tests)
 
-    def _at(self, kind: str, reads: Sequence[Callable[[Array, Array], ComplexArray]], size: float, spread: float) -> float:
-        """Evidence [nats] of a size, by what the tests `reads` of it at a place."""
-        mass, spring = np.zeros(3), np.zeros(3)
-        if kind == MASS:
-            mass[:] = size
-        else:
-            spring[SPRINGS.index(kind)] = size
-        try:
-            told = [left.read(read(mass, spring)) for (left, _), read in zip(self.tests, reads, strict=True)]
-        except BREAKDOWNS:
-            return -np.inf
-        gain = fit.gain(told, self.tests[0][0].slope)
-        gain += self.brought
-        known = 0.5 * (size / spread) ** 2 + 0.5 * float(np.log1p(2 * max(gain, 0.0) * (spread / size) ** 2))
-        return gain - known
-
 
 def nodes_of(one: Prediction) -> ReducedStructure | None:
     """The structure of which something could be attached to any node; None where no nodes or no units are known."""
@@ -463,23 +465,9 @@ def _known(one: OnNodes) -> Nuisances:
     return one.structure
 
 
-def _attached(offsets: Mapping[str, float], of: fit.Swallowing, one: OnNodes, where: Where) -> AttachedResponse:
-    return one.attached(offsets, of.of.lines, where(_known(one)), of.of.inputs)
-
-
 def _answers(of: fit.Swallowing, readings: ComplexArray) -> fit.Answers:
-    """Of changes of the readings (r, m, c, q): as `fit.following` of `fit.products`, lines summed at once."""
-    at, white = of.of, readings * of.of.weight[..., None]
-    kept = at.kept(white, np.arange(white.shape[2]))
-    q = white.shape[-1]
-    flat = white.swapaxes(0, 1).reshape(-1, q)
-    moved = of.moved.reshape(len(flat), -1)
-    met = flat.real.T @ moved.real + flat.imag.T @ moved.imag
-    return fit.Answers(
-        score=(flat.conj().T @ at.values.swapaxes(0, 1).reshape(-1)).real,
-        own=np.sum(np.abs(kept) ** 2, axis=(0, 1, 2)),
-        swallowed=met @ of.root,
-    )
+    """Of changes of the readings (r, m, c, q)."""
+    return of.answers(np.moveaxis(of.of.kept(readings * of.of.weight[..., None], np.arange(readings.shape[2])), -1, 0))
 
 
 def _resonator(frequency: Array, own: float, ratio: float) -> ComplexArray:

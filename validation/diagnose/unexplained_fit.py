@@ -270,15 +270,20 @@ class Swallowing:
     slope: Array
     _kept: dict[bytes, tuple[ComplexArray, ComplexArray]] = field(default_factory=dict, init=False, repr=False)
 
-    def read(self, rows: ComplexArray) -> "Answers":
-        """How it answers to the readings `rows` (n, c, k) in place of those of the fit, without the first order; one column."""
-        d = self.of.values - likelihood.residual(self.of.seen, replace(self.of.predicted, rows=rows), FLOOR)
-        moved = self.moved.reshape(-1, self.moved.shape[-1])
-        return Answers(
-            score=np.asarray(np.sum((self.of.values.conj() * d).real)),
-            own=np.asarray(np.sum(np.abs(d) ** 2)),
-            swallowed=(d.swapaxes(0, 1).reshape(-1).conj() @ moved).real @ self.root,
-        )
+    def beyond(self, rows: ComplexArray) -> ComplexArray:
+        """(r, m, c) by how much less is left, whitened, with the readings `rows` (n, c, k) in place of those of the fit."""
+        return self.of.values - likelihood.residual(self.of.seen, replace(self.of.predicted, rows=rows), FLOOR)
+
+    def answers(self, beyond: ComplexArray) -> "Answers":
+        """How it answers to some columns (q, r, m, c) as they are, without the first order."""
+        left, flat = (np.ascontiguousarray(one.swapaxes(-2, -3)).view(np.float64) for one in (self.of.values, beyond))
+        flat = flat.reshape(len(beyond), -1)
+        return Answers(score=flat @ left.ravel(), own=np.sum(flat**2, axis=1), swallowed=flat @ self._real @ self.root)
+
+    @cached_property
+    def _real(self) -> Array:
+        """(2 m r c, a) real and imaginary part of `moved`, one below the other."""
+        return np.stack([self.moved.real, self.moved.imag], axis=-2).reshape(-1, self.moved.shape[-1])
 
     def on(self, channels: npt.NDArray[np.int64]) -> tuple[ComplexArray, ComplexArray]:
         """(m, r c', 1) whitened residuals and (m, r c', a) what the parameters do, of `channels` (c',); kept, since many ask."""
@@ -374,11 +379,11 @@ def following(of: Products, courses: ComplexArray, root: Array) -> Answers:
     )
 
 
-def gain(answers: Sequence[Answers], slope: Array) -> float:
-    """[nats] Of one column as it is, in several data sets."""
-    score, own = (float(sum(getattr(one, what) for one in answers)) for what in ("score", "own"))
-    swallowed = sum(one.swallowed for one in answers)
-    return score - 0.5 * own + 0.5 * float(np.sum((slope + swallowed) ** 2 - slope**2))
+def gain(answers: Sequence[Answers], slope: Array) -> Array:
+    """(q,) [nats] of columns as they are, each in several data sets."""
+    swallowed = slope + sum(one.swallowed for one in answers)
+    squares = np.sum(swallowed**2 - slope**2, axis=-1)
+    return np.asarray(sum(one.score - 0.5 * one.own for one in answers) + 0.5 * squares)
 
 
 def gains(answers: Sequence[Answers], slope: Array) -> Gains:

@@ -30,9 +30,6 @@ from validation.prediction.effects import Nuisances
 from validation.prediction.mounting import MountedArticle
 from validation.prediction.tangents import FIELDS, LOSS_COUPLING, Tangent, full, with_damping_law, with_losses_by_mode
 
-FEW = 3
-"""Up to so many coordinates a sum of outer products is the quicker way."""
-
 ENTRIES = 1 << 17
 """[count] of entries of the matrices of as many lines as are solved at once: 2 MB, which stay in a cache."""
 
@@ -117,28 +114,52 @@ AGREES = 1e-11
 not, all coordinates are solved at every line. Held by tests/validation/prediction/test_matrices.py."""
 
 
-def far_coordinates(matrices: Matrices, omega: Array) -> tuple[Integers, ComplexArray]:
-    """(f,) coordinates that follow the others without a resonance near the band, and (n, f, k - f) how at `omega` (n,) [rad/s].
+def far_coordinates(matrices: Matrices, at: npt.NDArray[Any]) -> tuple[Integers, ComplexArray]:
+    """(f,) coordinates that follow the others without a resonance near the band, and (n, f, k - f) how at s / i (n,) [rad/s].
 
     Held by all others they are analytic in omega, -D_ff^-1 D_fr, but for their resonances far above: polynomials through
     Chebyshev's points converge as fast as those lie beyond the band (L. N. Trefethen, Approximation Theory and Approximation
-    Practice, 2013, theorem 8.2). None where few lines are asked, or where the polynomials do not agree.
+    Practice, 2013, theorem 8.2). None where few lines are asked, of different axes, or where the polynomials do not agree.
     """
-    b, k, low, high = matrices.base, len(matrices.mass), omega.min(), omega.max()
-    far = b + np.flatnonzero(np.diag(matrices.stiffness)[b:] > (FAR * high) ** 2 * np.diag(matrices.mass)[b:])
-    none = far[:0], np.zeros((len(omega), 0, k), dtype=np.complex128)
-    if len(omega) < 3 * NODES or not len(far) or not low < high:
+    b, k, last = matrices.base, len(matrices.mass), int(np.argmax(at.real))
+    far = b + np.flatnonzero(np.diag(matrices.stiffness)[b:] > (FAR * at[last].real) ** 2 * np.diag(matrices.mass)[b:])
+    none = far[:0], np.zeros((len(at), 0, k), dtype=np.complex128)
+    if len(at) < 3 * NODES or not len(far) or not np.ptp(at.real) or np.ptp(at.imag):
         return none
-    order, angle = np.arange(NODES), np.pi * (np.arange(NODES) + 0.5) / NODES
-    near, nodes = np.delete(np.arange(k), far), (low + high) / 2 + (high - low) / 2 * np.cos(angle)
-    D = dynamic_matrix(matrices, np.append(nodes, high), far)
-    solved = -np.linalg.solve(D[:, :, far], D[:, :, near])
-    chebyshev = np.polynomial.chebyshev.chebvander((2 * omega - low - high) / (high - low), NODES - 1)
+    nodes, share = _chebyshev(at)
+    D = dynamic_matrix(matrices, np.append(nodes, at[last]), far)
+    solved = -np.linalg.solve(D[:, :, far], D[:, :, np.delete(np.arange(k), far)])
+    found = (share @ solved[:-1].reshape(NODES, -1).view(np.float64)).view(np.complex128).reshape(len(at), *solved.shape[1:])
+    return (far, found) if np.abs(found[last] - solved[-1]).max(initial=0.0) <= AGREES * np.abs(solved).max() else none
+
+
+def _chebyshev(at: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], Array]:
+    """Chebyshev's points (`NODES`,) of the band of `at` (n,), and (n, `NODES`) what a polynomial makes of values there."""
+    low, width, order = at.real.min(), np.ptp(at.real) or 1.0, np.arange(NODES)
+    angle = np.pi * (order + 0.5) / NODES
+    chebyshev = np.polynomial.chebyshev.chebvander(2 * (at.real - low) / width - 1, NODES - 1)
     share = chebyshev @ (np.where(order > 0, 2.0, 1.0)[:, None] * np.cos(np.outer(order, angle)) / NODES)
-    found = (share @ solved[:-1].reshape(NODES, -1).view(np.float64)).view(np.complex128).reshape(len(omega), *solved.shape[1:])
-    if not np.abs(found[np.argmax(omega)] - solved[-1]).max(initial=0.0) <= AGREES * np.abs(solved).max():
-        return none
-    return far, found
+    return low + width / 2 * (1 + np.cos(angle)) + (1j * at[0].imag if at[0].imag else 0.0), share
+
+
+def answering(matrices: Matrices, at: npt.NDArray[Any]) -> Callable[[Array], ComplexArray]:
+    """``of(row)``: what all coordinates beside a base held still answer (n, k - b, a) at s / i (n,) [rad/s] to a force along each
+    of `row` (a, j), which is nothing behind j. What belongs to `far_coordinates` alone is solved at few frequencies."""
+    b, k = matrices.base, len(matrices.mass)
+    far, follow = far_coordinates(matrices, at)
+    near, follow = np.delete(np.arange(b, k), far - b), follow[:, :, b:]
+    D, (nodes, share) = dynamic_matrix(matrices, at, near), _chebyshev(at)
+    inner = np.linalg.inv(D[:, :, near] + D[:, :, far] @ follow)
+    beside = np.linalg.inv(dynamic_matrix(matrices, nodes, far)[:, :, far])
+
+    def of(row: Array) -> ComplexArray:
+        row = np.pad(row, ((0, 0), (0, k - b - row.shape[1])))
+        answer = np.empty((len(at), k - b, len(row)), dtype=np.complex128)
+        answer[:, near - b] = inner @ (row[:, near - b] + row[:, far - b] @ follow).swapaxes(1, 2)
+        answer[:, far - b] = follow @ answer[:, near - b] + np.tensordot(share, beside @ row[:, far - b].T, axes=1)
+        return answer
+
+    return of
 
 
 def turning(frequency: Array, decay_rate: float | Array) -> npt.NDArray[Any]:
@@ -175,12 +196,12 @@ def accelerance(
     for first in range(0, len(lines), few):
         some = slice(first, first + few)
         both[some] = np.linalg.solve(dynamic_matrix(matrices, at[some]), np.broadcast_to(loads, both[some].shape))
-    left, right = both[:, :, : len(rows)], both[:, :, len(rows) :]
+    left, right = (np.ascontiguousarray(side.transpose(1, 0, 2)) for side in np.split(both, [len(rows)], axis=2))
     return CondensedTransfer(
         frequency=lines,
-        matrix=np.asarray(rows @ right, dtype=np.complex128),
-        left=_by_coordinate(left),
-        right=_by_coordinate(right),
+        matrix=np.asarray(rows @ both[:, :, len(rows) :], dtype=np.complex128),
+        left=left,
+        right=right,
         sign=-1.0,
         decay_rate=decay_rate,
     )
@@ -264,12 +285,18 @@ class Condensed:
         """`rows` (..., k) of what each coordinate moves."""
         return rows @ self.directions
 
-    def of_tangent(self, change: Tangent) -> Tangent:
-        """How the condensed matrices change, the directions held: the answers, which lie in them, say no more."""
-        W = self.directions[change.at]
-        still = np.zeros((W.shape[1], W.shape[1]))
-        M, K, C, S = (W.T @ change.times(name, W) if getattr(change, name).any() else still for name in FIELDS)
-        return Tangent(at=np.arange(W.shape[1]), mass=M, stiffness=K, viscous=C, structural=S)
+    def tangents(self, answered: CondensedTransfer, changes: Mapping[str, Tangent]) -> dict[str, ComplexArray]:
+        """By parameter d matrix / d offset, (n, r, d), of what was `answered` on the fewer coordinates; these are held: answers,
+        which lie in them, say no more. What changes one row and its column alone is met on the coordinates that it has."""
+        W, still = self.directions, np.zeros((self.directions.shape[1],) * 2)
+        crossing, whole = {name: one for name, one in changes.items() if one.crossing is not None}, dict[str, Tangent]()
+        for name, change in changes.items() - crossing.items():
+            own = W[change.at]
+            M, K, C, S = (own.T @ (one @ own) if (one := getattr(change, field)).any() else still for field in FIELDS)
+            whole[name] = Tangent(at=np.arange(len(still)), mass=M, stiffness=K, viscous=C, structural=S)
+        sides = (np.ascontiguousarray(side).view(np.float64) for side in (answered.left, answered.right))
+        left, right = (np.tensordot(W, side, axes=1).view(np.complex128) for side in sides)
+        return transfer_tangents(answered, whole) | transfer_tangents(replace(answered, left=left, right=right), crossing)
 
 
 def _modes_near(matrices: Matrices, omega: Array) -> tuple[Array, Array] | None:
@@ -311,10 +338,6 @@ def transfer_tangents(answered: CondensedTransfer, changes: Mapping[str, Tangent
     return made
 
 
-def _by_coordinate(answer: ComplexArray) -> ComplexArray:
-    return np.ascontiguousarray(answer.transpose(1, 0, 2))
-
-
 def _product(left: ComplexArray, matrix: Array, right: ComplexArray, crossing: int | None) -> ComplexArray:
     """left^T matrix right, (n, r, d), of sides (k, n, r) and (k, n, d): one real product for all lines."""
     if crossing is not None:
@@ -326,8 +349,6 @@ def _product(left: ComplexArray, matrix: Array, right: ComplexArray, crossing: i
         return np.asarray(left[crossing][:, :, None] * over_right[:, None] + over_left[:, :, None] * right[crossing][:, None])
     k, n, d = right.shape
     pulled = (matrix @ right.reshape(k, n * d).view(np.float64)).view(np.complex128).reshape(k, n, d)
-    if k <= FEW:
-        return np.asarray(np.sum(left[:, :, :, None] * pulled[:, :, None, :], axis=0))
     return np.asarray(left.transpose(1, 2, 0) @ pulled.transpose(1, 0, 2))
 
 
@@ -335,7 +356,7 @@ def dynamic_matrix(matrices: Matrices, at: npt.NDArray[Any], rows: slice | Integ
     """D (n, k, k) at s / i (n,) [rad/s], or these `rows` of it."""
     share = np.stack([np.ones_like(at), -1 / at**2, -1j / at, -1j / at**2], axis=1)
     fields = np.stack([getattr(matrices, name)[rows] for name in FIELDS])
-    return np.asarray(share @ fields.reshape(4, -1), dtype=np.complex128).reshape(-1, *fields.shape[1:])
+    return np.asarray(share @ fields.reshape(4, -1), dtype=np.complex128).reshape(len(at), *fields.shape[1:])
 
 
 # How strongly a run was driven, for what depends on it: friction, gaps, saturation, and how fast a sweep passed.
@@ -604,7 +625,8 @@ class SupportedDynamicMass:
             found = (loads @ moved.transpose(1, 2, 0)) * np.einsum("pnj,rnj->rnp", moved, inputs @ X.T, optimize=True)[:, :, None]
         if sensors:
             own = rows[:, solved.matrices.base :]
-            back = _pulled(solved.matrices, solved.answered.frequency, self._bending(solved, sensors))[:, : own.shape[1]]
+            bending = self._bending(solved, sensors)[:, solved.matrices.base :]
+            back = answering(solved.matrices, solved.answered.omega)(bending)[:, : own.shape[1]]
             driven = np.einsum("pnj,rnj->rnp", moved, inputs @ T.T, optimize=True)
             found = found - (bent @ (own @ back).swapaxes(1, 2)) * driven[:, :, None]
         return np.asarray(found, dtype=np.complex128)
@@ -613,11 +635,11 @@ class SupportedDynamicMass:
         """``at(row)(mass, spring)``: what is `solved` with a mass [kg] and a spring to the ground [N/m] along each axis, (3,)
         both, at a place that coordinates move by `row` (3, k)."""
         answered, b = solved.answered, solved.matrices.base
-        whole = np.linalg.inv(dynamic_matrix(solved.matrices, answered.omega)[:, b:, b:])
+        of_rows = answering(solved.matrices, answered.omega)
 
         def at(row: Array) -> Callable[[Array, Array], SolvedStructure]:
             own = row[:, b:]
-            gives = whole[:, :, : own.shape[1]] @ own.T
+            gives = of_rows(own)
             there = own @ gives[:, : own.shape[1]]
             moved = np.tensordot(row, answered.right[: row.shape[1]], axes=1).swapaxes(0, 1)
 
@@ -675,7 +697,7 @@ class SupportedDynamicMass:
         b, pose, bent = matrices.base, self.standing.pose, self._bending(solved, sensors)
         back = np.zeros((len(matrices.mass), len(frequency), len(bent)), dtype=np.complex128)
         if tangents and len(matrices.mass) > b:
-            back[b:] = _pulled(matrices, frequency, bent).transpose(1, 0, 2)
+            back[b:] = answering(matrices, 2 * np.pi * frequency)(bent[:, b:]).transpose(1, 0, 2)
         own = replace(answered, matrix=bent @ answered.right.transpose(1, 0, 2), left=np.ascontiguousarray(back), sign=-1.0)
         changes = transfer_tangents(own, tangents)
         R = _turned(pose)
@@ -768,13 +790,6 @@ def structure(
         moved = {name: np.diag(np.diag(full(one, "viscous", len(told)))) for name, one in own.items()}
         matrices, tangents = with_losses_by_mode(matrices, tangents, told, moved, share, derivatives=every)
     return matrices, {name: change for name, change in tangents.items() if is_wanted(name, derivatives)}
-
-
-def _pulled(matrices: Matrices, frequency: Array, rows: Array) -> ComplexArray:
-    """(n, k - b, q) how the coordinates beside a base held still answer to a pull along each of `rows` (q, k)."""
-    b = matrices.base
-    pulls = np.broadcast_to(rows[:, b:].T.astype(np.complex128), (len(frequency), len(matrices.mass) - b, len(rows)))
-    return np.asarray(np.linalg.solve(dynamic_matrix(matrices, 2 * np.pi * frequency)[:, b:, b:], pulls))
 
 
 def _turned(pose: Pose) -> Array:

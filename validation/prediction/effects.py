@@ -24,7 +24,6 @@ from validation.model.model import Added, StructureTolerances
 from validation.prediction.structure import HIGHEST, ReducedStructure, sheet
 from validation.prediction.tangents import (
     DAMPING_LAW,
-    FIELDS,
     LAWS,
     LOSS_COUPLING,
     NEIGHBOURS,
@@ -477,24 +476,19 @@ class _Now:
 
     def _of_participation(self, configuration: str, mode: str, axis: str) -> Tangent:
         r, a = int(mode) - 1, MOTIONS.index(axis)
-        return _pair("mass", a, self.of.nominal.base + r, self.of.largest(r, a))
+        return self._pair("mass", a, self.of.nominal.base + r, self.of.largest(r, a))
 
     def _of_coupling(self, configuration: str, one: str, other: str) -> Tangent:
         r, s, b = int(one) - 1, int(other) - 1, self.of.nominal.base
         field, size = self.of.coupled(r, s)
-        return _pair(field, b + r, b + s, size)
+        return self._pair(field, b + r, b + s, size)
 
     def _of_mixing(self, configuration: str, one: str, other: str) -> Tangent:
         r, s, b = int(one) - 1, int(other) - 1, self.of.nominal.base
-        return _pair("stiffness", b + r, b + s, self.of.between(r, s) * self.E[r] * self.E[s])
+        return self._pair("stiffness", b + r, b + s, self.of.between(r, s) * self.E[r] * self.E[s])
 
-
-def _pair(field: str, i: int, j: int, value: float) -> Tangent:
-    changes: dict[str, Array] = {name: np.zeros((2, 2)) for name in FIELDS}
-    changes[field] = np.array([[0.0, value], [value, 0.0]])
-    at = np.array([i, j], dtype=np.intp)
-    mass, stiffness, viscous, structural = (changes[name] for name in FIELDS)
-    return Tangent(at=at, mass=mass, stiffness=stiffness, viscous=viscous, structural=structural)
+    def _pair(self, field: str, i: int, j: int, value: float) -> Tangent:
+        return crossed(i, **{field: value * (np.arange(len(self.E)) == j)})
 
 
 def _factor(name: str, tolerance: float) -> Parameter:

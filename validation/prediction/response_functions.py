@@ -151,40 +151,34 @@ class ResponseFunctionTest:
         changed = answered.sign * factor[..., None] * np.einsum("qnc,qnr->ncrq", left, right, optimize=True)
         gains, delays = self._chain(known)
         A = factor * answered.matrix
-        read = [
-            self._read(f, A[:, :, run, None], {"": changed[:, :, run]}, gains, delays, effects, False)[1][""]
-            for run in range(changed.shape[2])
-        ]
-        whole = np.stack(read)
+        runs = ((A[:, :, run, None], {"": changed[:, :, run]}) for run in range(changed.shape[2]))
+        whole = np.stack([self._read(f, *one, gains, delays, effects, False)[1][""] for one in runs])
         spring = np.broadcast_to(-1 / answered.omega**2, whole.shape[:2])
         return AttachedResponse(readings=whole.reshape(*whole.shape[:3], q, 3), spring=np.asarray(spring, dtype=np.complex128))
 
     def finite(self, offsets: Offsets, lines: Lines) -> Finite:
-        """What is read with a mass or a spring of any size at a place, of which D^-1 serves all (Sherman and Morrison, Annals of
-        Mathematical Statistics 21 (1950), 124)."""
+        """What is read with a mass or a spring of any size at a place (Sherman and Morrison, Annals of Mathematical Statistics 21
+        (1950), 124)."""
         known = {**offsets, **self._opened[1]}
         f = self.measured.frequency[lines]
         effects = tuple(replace(one, fixed=True) for one in prediction_effects.at(self.effects, known))
         matrices, answered, factor = self._answered(known, f, effects)
-        whole = np.linalg.inv(dynamic_mass.dynamic_matrix(matrices, dynamic_mass.turning(f, self.decay_rate)))
-        of_places = np.ascontiguousarray(whole.swapaxes(0, 1)).view(np.float64)  # real rows by real columns
+        gives = dynamic_mass.answering(matrices, answered.omega)
         gains, delays = self._chain(known)
 
         def at(row: Array) -> Callable[[Array, Array], ComplexArray]:
-            moved = np.tensordot(row, of_places[: row.shape[1]], axes=1).view(np.complex128)[:, :, : row.shape[1]]
-            own = (moved @ row.T).swapaxes(0, 1)
-            sides = (np.tensordot(row, side[: row.shape[1]], axes=1) for side in (answered.left, answered.right))
-            left, right = (side.transpose(1, 0, 2) for side in sides)
+            own = row @ gives(row)[:, : row.shape[1]]
+            left, right = (
+                np.tensordot(row, side[: row.shape[1]], 1).transpose(1, 0, 2) for side in (answered.left, answered.right)
+            )
 
             def read(mass: Array, spring: Array) -> ComplexArray:
                 axes = np.flatnonzero((mass != 0) | (spring != 0))
                 added = mass[axes] - spring[axes] / answered.omega[:, None] ** 2
                 there = own[:, axes[:, None], axes] + np.eye(len(axes)) / added[:, None, :]
                 A = answered.matrix - left[:, axes].transpose(0, 2, 1) @ np.linalg.solve(there, right[:, axes])
-                made = [
-                    self._read(f, factor * A[:, :, run, None], {}, gains, delays, effects, False) for run in range(A.shape[2])
-                ]
-                return np.stack([rows for rows, _ in made])
+                runs = (factor * A[:, :, run, None] for run in range(A.shape[2]))
+                return np.stack([self._read(f, one, {}, gains, delays, effects, False)[0] for one in runs])
 
             return read
 
@@ -287,7 +281,6 @@ class ResponseFunctionTest:
         condensed = dynamic_mass.Condensed.of(matrices, dynamic_mass.turning(f, decay), np.vstack([rows, forces]).T)
         if condensed is not None:
             matrices = condensed.matrices
-            tangents = {name: condensed.of_tangent(change) for name, change in tangents.items() if derivatives}
             rows, forces = condensed.of_rows(rows), condensed.of_rows(forces)
         answered = dynamic_mass.accelerance(matrices, f, rows, forces, decay_rate=decay)
         whole = answered.matrix
@@ -295,7 +288,8 @@ class ResponseFunctionTest:
             left, right = (np.ascontiguousarray(side[:, :, :n]) for side, n in ((answered.left, c), (answered.right, r)))
             answered = replace(answered, matrix=whole[:, :c, :r], left=left, right=right)
         T = answered.matrix
-        dT = dynamic_mass.transfer_tangents(answered, tangents) if derivatives else {}
+        of_tangents = dynamic_mass.transfer_tangents if condensed is None else condensed.tangents
+        dT = of_tangents(answered, tangents) if derivatives else {}
         left, right = answered.left.transpose(1, 2, 0), answered.right.transpose(1, 2, 0)  # (n, c, k), (n, r, k)
         for name in _wanted(of_responses.changes, derivatives):
             at, row = of_responses.changes[name]

@@ -176,47 +176,51 @@ def _on_shapes(
     frequency: Array,
     damping: Damping,
     modes: Modes | None = None,
-    unresolved: Mapping[str, Array] | None = None,
+    known: Matrices | None = None,
 ) -> Matrices:
     """Matrices on `shapes` (f, k) alone, the base held still; the first of them are the modes of `frequency` (n,).
 
-    What is `unresolved` is looked for in the mesh, unless it is known.
+    On the first of them they are `known`, of a base or of none; of the others nothing that is `unresolved` is looked for then.
     """
-    n = frequency.size
+    n, few = frequency.size, slice(known.base if known else 0, None)
+
+    def on_shapes(share: Sparse, old: Array | None = None) -> Array:
+        own = restricted(share, free.free)
+        return _on_its_own(own, shapes) if old is None else symmetric(_bordered(old[few, few], own, shapes))
+
+    def by_name(shares: Mapping[str, Sparse], old: Mapping[str, Array]) -> Mapping[str, Array]:
+        if isinstance(held := _held(shares, shapes.shape[1]), Shares):
+            return each(held, on_shapes)
+        return {name: on_shapes(share, old.get(name)) for name, share in held.items()}
+
     S, C_u = fem_damping.structural_matrix(damping, structure), fem_damping.viscous_matrix(damping, structure)
     viscous = np.zeros((shapes.shape[1], shapes.shape[1])) if C_u is None else _congruent(restricted(C_u, free.free), shapes)
     viscous[:n, :n] += fem_damping.damping_per_mode(damping, 2 * np.pi * frequency)
-    structural = np.zeros_like(viscous) if S is None else _congruent(restricted(S, free.free), shapes)
+    structural = np.zeros_like(viscous) if S is None else on_shapes(S, known.structural if known else None)
     if modes is not None:
         _require_same(viscous[:n, :n], modes.viscous)
         _require_same(structural[:n, :n], modes.structural)
-
-    def on_shapes(share: Sparse) -> Array:
-        return _on_its_own(restricted(share, free.free), shapes)
-
     squares = np.pad((2 * np.pi * frequency) ** 2, (0, shapes.shape[1] - n))
-    if unresolved is None:
+    if known is not None:
+        unresolved = each(known.unresolved, lambda share: np.pad(share[few, few], (0, len(viscous) - len(share[few]))))
+    else:
         unresolved = {} if structure.elements is None else _unresolved(structure.elements, free.expand(shapes), squares)
-    springs = {name: joint_springs(structure, name) for name in structure.joints}
-    whole = free.expand(shapes) if any(springs.values()) else shapes
+    K = structure.part_stiffness
+    springs = {name: both for name in structure.joints if (both := joint_springs(structure, name)) is not None}
+    whole = free.expand(shapes) if springs else shapes
     return Matrices(
         base=0,
-        mass=_congruent(free.mass, shapes),
-        stiffness=_congruent(free.stiffness, shapes),
+        mass=on_shapes(structure.mass, known.mass if known else None),
+        stiffness=on_shapes(structure.stiffness, known.stiffness if known else None),
         viscous=viscous,
         structural=structural,
         places={name: row @ shapes for name, row in rows.items()},
-        parts=each(_held(parts_of(structure), shapes.shape[1]), on_shapes),
-        part_mass=each(_held(structure.part_mass, shapes.shape[1]), on_shapes),
+        parts=by_name(parts_of(structure), known.parts if known else {}),
+        part_mass=by_name(structure.part_mass, known.part_mass if known else {}),
         supports=structure.supports,
         joints={
-            name: JointSprings(
-                loads=one[0] @ whole,
-                stiffness=one[1],
-                trace=float(np.trace(_congruent(structure.part_stiffness[name], whole))),
-            )
-            for name, one in springs.items()
-            if one is not None
+            name: JointSprings(loads=loads @ whole, stiffness=six, trace=float(np.trace(_congruent(K[name], whole))))
+            for name, (loads, six) in springs.items()
         },
         sections=each(_held(structure.sections, shapes.shape[1]), lambda both: (on_shapes(both[0]), on_shapes(both[1]))),
         unresolved=unresolved,
@@ -612,10 +616,9 @@ class ReducedStructure:
         energy, directions = np.linalg.eigh(static.T @ (A @ static))
         kept = energy > SMALL * whole_energy  # what is there already leaves rounding alone
         more = top * static @ (directions[:, kept] / np.sqrt(energy[kept]))
-        basis, grown = np.hstack([shapes, more]), (0, more.shape[1])
-        moves, coarse = np.pad(of.rigid[:, b:], ((0, 0), grown)), each(of.unresolved, lambda share: np.pad(share[b:, b:], grown))
+        basis, moves = np.hstack([shapes, more]), np.pad(of.rigid[:, b:], ((0, 0), (0, more.shape[1])))
         rows = _displacement(whole, free, NOWHERE, None)
-        made = _on_basis(whole, self.band, self.damping, free, basis, rows, self.frequency, moves, of.cog, b > 0, coarse)
+        made = _on_basis(whole, self.band, self.damping, free, basis, rows, self.frequency, moves, of.cog, b > 0, of)
         return replace(made, swings=self.swings)
 
     def nodes(self) -> tuple[Array, Integers]:
@@ -713,12 +716,12 @@ def _on_basis(
     moves: Array,
     cog: Array,
     driven: bool = False,
-    unresolved: Mapping[str, Array] | None = None,
+    known: Matrices | None = None,
 ) -> ReducedStructure:
     """`structure` on the coordinates `basis` (f, k), first the modes of `frequency`; `moves` (6, k) as a rigid body. The motions
     of a base that is `driven` come before them."""
     used = damping or default_damping(structure)
-    made = _on_shapes(structure, free, basis, rows, frequency, used, unresolved=unresolved)
+    made = _on_shapes(structure, free, basis, rows, frequency, used, known=known)
     if driven:
         moved = _motions(structure, free, basis)
         made = _driven(structure, made, moved, cog=cog)

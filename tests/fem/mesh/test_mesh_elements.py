@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy import sparse
 from scipy.linalg import eigh
 
 from benchmarks.read_meshes import STEEL, abaqus, bricks, plate
@@ -284,6 +285,20 @@ def test_how_far_off_a_mesh_of_shells_is_is_no_more_than_it_tells(meshed: Meshed
     off = np.abs(1 - (true.frequency / modes.frequency) ** 2)
     assert np.all(off < 2 * share)
     assert off.max() > 0.2 * share.max()
+
+
+def test_what_a_mesh_leaves_unsure_costs_what_its_elements_do_however_many_pieces_they_are_taken_in(meshed, monkeypatch):
+    points, elements = plate(12, 12, (0.4, 0.4), "S4")
+    structure = meshed(abaqus(points, {"p": ("S4", elements)}), f'{PART}thickness = "2 mm"')
+    motions = np.random.default_rng(1).standard_normal((structure.mass.shape[0], 3))
+    (due,) = structure.elements.unresolved(motions, np.zeros(3)).values()
+    monkeypatch.setattr("fem.mesh.solids.BATCH", 72 * 3 * 4)  # four triangles
+    rows, made = list[int](), sparse.csr_array
+    monkeypatch.setattr(sparse, "csr_array", lambda *of, **more: rows.append(made(*of, **more).shape[0]) or made(*of, **more))
+    (found,) = structure.elements.unresolved(motions, np.zeros(3)).values()
+    assert len(rows) > 100
+    assert np.median(rows) <= 3 * 4  # its own corners
+    assert_allclose(found, due, rtol=1e-9)
 
 
 def test_a_beam_says_how_far_its_mass_bows_it_between_its_ends(meshed: Meshed) -> None:

@@ -16,6 +16,7 @@ from fem.user_model.examine import lossless
 from geometry.errors import BadInput
 from validation.effects.catalogue import FAMILIES, Named
 from validation.model.model import Added
+from validation.prediction import structure as reduced
 from validation.prediction.effects import structure
 from validation.prediction.modal_table import real_modes
 from validation.prediction.structure import by_itself
@@ -242,8 +243,15 @@ def test_a_place_that_is_tried_answers_as_one_that_was_reduced_anew(
     small = by_itself(meshed(chain(2), HALVES, support=support), 5000.0)
     assert small.at(["@0.5,0,0"], anew=False).basis.shape == small.basis.shape  # of which rounding alone is new
     monkeypatch.setattr("validation.prediction.structure.by_itself", lambda *_, **__: pytest.fail("it was reduced anew"))
+    whole, condensed = reduced._on_its_own, list[int]()
+    monkeypatch.setattr(reduced, "_on_its_own", lambda share, basis: condensed.append(1) or whole(share, basis))
     tried = known.at([place], anew=False)
+    assert len(condensed) == 2 * len(known.structure.sections)  # of all else what is new stands beside what is known
     assert known.at([], anew=False) is known
+    for name, share in {"": known.structure.stiffness, **known.structure.part_stiffness}.items():
+        found = tried.matrices.parts[name] if name else tried.matrices.stiffness
+        due = tried.basis.T @ (share @ tried.basis)
+        assert_allclose(found, due, atol=1e-9 * np.abs(np.diag(due)).max())
     for kg in (0.1, 10.0):
         ends = [FAMILIES["point-mass"].change(one.matrices, (place,), {"": kg}) for one in (anew, tried)]
         wanted, found = (np.sort(real_modes(one).squares)[6 * anew.structure.floating :][:2] for one in ends)

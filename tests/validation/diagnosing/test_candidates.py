@@ -205,8 +205,9 @@ def test_a_spring_is_asked_of_those_data_alone_that_it_reaches():
         raise AssertionError("what it does not reach reads as before")
 
     def test_of(name: str) -> Any:
-        told = candidates.Answers(score=np.array(3.0), own=np.array(4.0), swallowed=np.array([0.6]))
-        return SimpleNamespace(of=SimpleNamespace(name=name, lines=None), names=(), slope=np.zeros(1), read=lambda rows: told)
+        told = candidates.Answers(score=np.array([3.0]), own=np.array([4.0]), swallowed=np.array([[0.6]]))
+        of, beyond = SimpleNamespace(name=name, lines=None), lambda rows: rows
+        return SimpleNamespace(of=of, names=(), slope=np.zeros(1), beyond=beyond, answers=lambda each: told)
 
     def prediction(name: str, parameters: Sequence[str], at: Callable[..., Any]) -> Any:
         return SimpleNamespace(

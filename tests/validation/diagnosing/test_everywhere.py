@@ -21,6 +21,7 @@ from validation.diagnose.diagnose import diagnosed
 from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.everywhere import MeshSearch, elsewhere, found_nodes, with_twins, without_a_name
 from validation.diagnose.landmark_search import FromAfar
+from validation.diagnose.unexplained_fit import Swallowing
 from validation.effects.catalogue import Named, parse
 from validation.effects.effect import Vocabulary, at_position, position
 from validation.estimation.fit import nearby
@@ -156,9 +157,12 @@ def test_in_place_of_an_effect_its_own_node_brings_what_it_brought_and_a_size_is
     assert mesh.sized("point-mass", there, own, at + np.array([-0.7, 0.6]))[0] < evidence - 100
 
 
-def test_what_places_read_is_kept_of_as_many_as_are_surveyed_and_of_no_more(study, monkeypatch):
-    monkeypatch.setattr(everywhere, "SURVEYED", 2)
+@pytest.mark.parametrize("most", ["as many as are surveyed", "so many bytes"])
+def test_what_places_read_is_kept_of_as_many_as_are_surveyed_and_of_so_many_bytes(study, monkeypatch, most):
     (mesh,) = MeshSearch.of(candidates.baseline(study))
+    a_place = sum(48 * left.of.values.shape[1] * len(one.structure.nominal.mass) for left, one in mesh.tests)
+    bound = {"as many as are surveyed": ("SURVEYED", 2), "so many bytes": ("KEPT", 1.5 * a_place)}[most]
+    monkeypatch.setattr(everywhere, *bound)
     held, finite = set[int](), mesh.finite
 
     def counted(of):
@@ -175,6 +179,17 @@ def test_what_places_read_is_kept_of_as_many_as_are_surveyed_and_of_no_more(stud
     first = [mesh.sized("point-mass", one, 0.01)[0] for one in some]
     assert 0 < len(held) <= 2 * len(finite)
     assert [mesh.sized("point-mass", one, 0.01)[0] for one in some] == first
+
+
+def test_all_sizes_at_a_place_meet_the_parameters_of_the_fit_at_once(study, monkeypatch):
+    (mesh,) = MeshSearch.of(candidates.baseline(study))
+    asked, answers = [], Swallowing.answers
+    monkeypatch.setattr(Swallowing, "answers", lambda self, beyond: asked.append(len(beyond)) or answers(self, beyond))
+    there = mesh.at(np.array([7]))
+    gain, size = mesh.sized("point-mass", there, 1.0)
+    assert asked == [len(everywhere.OCTAVES)] * len(mesh.tests)
+    octave = np.log2(size / mesh.plausible(there)["point-mass"][0])
+    assert mesh.sized("point-mass", there, 1.0, np.array([octave]))[0] == pytest.approx(gain, rel=1e-9)
 
 
 def test_a_node_that_is_tried_bends_as_what_carries_a_large_mass_does(study, monkeypatch):

@@ -19,6 +19,7 @@ from geometry.routes import inertia
 from validation.effects.stages import Matrices
 from validation.prediction import dynamic_mass, mounting
 from validation.prediction import structure as prediction_structure
+from validation.prediction.effects import nuisances
 from validation.prediction.tangents import FIELDS, Tangent, crossed, full, of_arrays, plus
 
 LINES = np.linspace(4.0, 32.0, 57)
@@ -272,6 +273,22 @@ def test_what_is_far_above_the_band_is_solved_at_few_lines_and_answers_at_all_of
     assert sum(len(at) for at, rows in asked if set(far) & set(rows)) == dynamic_mass.NODES + 1
 
 
+@pytest.mark.parametrize("decay", [0.0, 0.4])
+def test_what_all_coordinates_answer_to_any_place_takes_inverses_of_the_near_ones_alone_at_every_line(decay, monkeypatch):
+    m = made("clumod-4", LOSSES)
+    at = dynamic_mass.turning(np.linspace(4.0, 32.0, 5 * dynamic_mass.NODES), decay)
+    row, b = np.random.default_rng(2).standard_normal((3, len(m.mass) - m.base)), m.base
+    due = np.linalg.solve(dynamic_mass.dynamic_matrix(m, at)[:, b:, b:], np.broadcast_to(row.T, (len(at), *row.T.shape)))
+    shapes, inverse = [], np.linalg.inv
+    monkeypatch.setattr(np.linalg, "inv", lambda of: shapes.append(of.shape) or inverse(of))
+    of_rows = dynamic_mass.answering(m, at)
+    assert sum(np.prod(shape) for shape in shapes) < 0.5 * len(at) * row.shape[1] ** 2
+    np.testing.assert_allclose(of_rows(row), due, rtol=0, atol=1e-10 * np.abs(due).max())
+    short = row[:, :-2]  # of a place that what came behind does not move
+    due = np.linalg.solve(dynamic_mass.dynamic_matrix(m, at)[0, b:, b:], np.pad(short, ((0, 0), (0, 2))).T)
+    np.testing.assert_allclose(of_rows(short)[0], due, rtol=0, atol=1e-10 * np.abs(due).max())
+
+
 def test_coordinates_whose_coupling_brings_them_into_the_band_are_solved_at_every_line():
     K = (2 * np.pi * 70) ** 2 * np.array([[0, 0, 0], [0, 1, 0.9], [0, 0.9, 1.0]])  # each by itself at 70 Hz, one of both at 22
     M = np.array([[1.0, 0.1, 0.2], [0.1, 1, 0], [0.2, 0, 1]])
@@ -334,9 +351,28 @@ def test_a_structure_is_condensed_to_what_it_does_over_a_band_and_neither_answer
     condensed = dynamic_mass.accelerance(few.matrices, LINES, few.of_rows(rows), few.of_rows(rows[0]))
     np.testing.assert_allclose(condensed.matrix, answered.matrix, rtol=0, atol=1e-8 * np.abs(answered.matrix).max())
     due = dynamic_mass.transfer_tangents(answered, {"part": part, "mode": mode})
-    found = dynamic_mass.transfer_tangents(condensed, {"part": few.of_tangent(part), "mode": few.of_tangent(mode)})
+    found = few.tangents(condensed, {"part": part, "mode": mode})
     for name, change in due.items():
         np.testing.assert_allclose(found[name], change, rtol=0, atol=dynamic_mass.SPANNED * np.abs(change).max())
+
+
+def test_what_turns_two_modes_or_moves_one_is_made_no_whole_matrix_where_it_is_condensed(turned, monkeypatch):
+    m, _ = turned
+    rows = np.array([dynamic_mass.along(m, place, [0.6, 0.8, 0.0]) for place in ("mast-top", "hub-1")])
+    few = dynamic_mass.Condensed.of(m, 2 * np.pi * LINES, rows.T)
+    condensed = dynamic_mass.accelerance(few.matrices, LINES, few.of_rows(rows), few.of_rows(rows[0]))
+    answered = dynamic_mass.accelerance(m, LINES, rows, rows[0])
+    of = nuisances("clumod", m, np.sqrt(np.diag(m.stiffness)[:12]) / (2 * np.pi), {})
+    now = {name: one for name, one in of.at({})[1].items() if name.split(":")[0] in ("mixing", "coupling", "frequency")}
+    assert len(now) == 12 + 2 * len(of.pairs) > 12
+    asked, product = [], dynamic_mass._product
+    monkeypatch.setattr(dynamic_mass, "_product", lambda *of: asked.append(of[1].ndim) or product(*of))
+    found = few.tangents(condensed, now)
+    assert set(asked) == {1}
+    due = dynamic_mass.transfer_tangents(answered, now)
+    for family in ("mixing", "coupling", "frequency"):
+        told, asked = (np.array([one for name, one in of.items() if name.startswith(family)]) for of in (found, due))
+        np.testing.assert_allclose(told, asked, rtol=0, atol=dynamic_mass.SPANNED * np.abs(asked).max())
 
 
 @pytest.mark.parametrize("lost", [0.0, 0.01, 0.5])
@@ -368,7 +404,7 @@ def test_what_is_stiff_is_right_beside_what_is_soft_each_by_its_own_size():
     assert apart.max() < dynamic_mass.SPANNED
     change = of_arrays(n, stiffness=changed)
     due = dynamic_mass.transfer_tangents(answered, {"root": change})["root"]
-    found = dynamic_mass.transfer_tangents(condensed, {"root": few.of_tangent(change)})["root"]
+    found = few.tangents(condensed, {"root": change})["root"]
     assert (np.abs(found - due).max(axis=0) / np.abs(due).max(axis=0)).max() < 1e-2
 
 
