@@ -146,15 +146,16 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
         deviation = _deviation(table.get(name), SHAPE_DEVIATION, largest, warnings, f"{name} of {source}", source, name)
     elif shapes is not None and deviation is not None:
         # Instead of none at the component to which a shape was scaled what is usual of that shape
-        found = np.array(deviation)
+        found, scaled = np.array(deviation), []
         none = (deviation >= 0) & (deviation <= NOTHING * np.abs(shapes).max(axis=1, keepdims=True))
         for k, at in enumerate(none):
             if at.any() and not at.all():
                 found[k, at] = np.median(deviation[k, ~at])
-                names = ", ".join(point.name for point, one in zip(points, at, strict=True) if one)
-                warnings.append(
-                    f"mode {k + 1} has no deviation at {names}, to which it was scaled; the median of its others is taken"
-                )
+                scaled += [f"mode {k + 1} at {point.name}" for point, one in zip(points, at, strict=True) if one]
+        if scaled:
+            warnings.append(
+                f"where a shape was scaled it has no deviation ({', '.join(scaled)}); the median of its others is taken"
+            )
         deviation = found
     for name, values in (*columns.items(), ("shapes_deviation", deviation)):
         if values is not None and name.endswith("deviation") and not np.all(values > 0):

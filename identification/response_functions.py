@@ -510,8 +510,10 @@ def _of_records(
                 raise BadInput(source=str(path), field="records", problem=problem, remedy="Export it again; it may be damaged")
             if kind == SHAKER:
                 window = str(how.get("window", "hann"))
+                band = table.get("band")
+                end = max((one for one in band if isinstance(one, int | float)), default=inf) if isinstance(band, list) else inf
                 made = response_estimates.shaken(
-                    force, read, rate, block=block, overlap=overlap, window=window, estimator=of, source=str(path)
+                    force, read, rate, block=block, overlap=overlap, window=window, estimator=of, source=str(path), end=end
                 )
             else:
                 blows += response_estimates.blows(force[:, 0], read, rate, block=block, source=str(path))
@@ -540,7 +542,11 @@ def _of_records(
         others = f" and of {len(ringing) - 1} other files" if len(ringing) > 1 else ""
         rest = f"{100 * ringing[worst]:.0f} % of the answers of {worst}{others} still ring at the end of a block"
         warnings.append(f"{rest}; damping will seem larger, take a longer block")
-    return pieces, reach, warnings
+    alike: dict[str, list[str]] = {}
+    for one in warnings:
+        where, _, text = one.partition(": ")
+        alike.setdefault(text, []).append(where)
+    return pieces, reach, [f"{', '.join(paths)}: {text}" if text else paths[0] for text, paths in alike.items()]
 
 
 def _number(how: Mapping[str, Any], key: str, usual: float, source: str) -> float:

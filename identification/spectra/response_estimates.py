@@ -17,6 +17,7 @@ there has the window too, and no damping needs to be taken off (W. G. Halvorsen 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 import numpy.typing as npt
@@ -92,6 +93,7 @@ def shaken(
     window: str = "hann",
     estimator: str = H1,
     source: str = "record",
+    end: float = inf,
 ) -> Estimate:
     """Of a structure that is shaken all the time.
 
@@ -102,6 +104,7 @@ def shaken(
     block : [s] length of a block, the resolution is its inverse; 0 for a fifth of the record
     overlap : share of a block that the next one has in common with it
     window : as `scipy.signal.get_window` knows it, such as hann or boxcar
+    end : [Hz] up to which a peak is of interest
 
     Raises
     ------
@@ -143,19 +146,21 @@ def shaken(
         raise BadInput(source=source, field="records", problem=problem, remedy=remedy)
     values, coherence = _averaged(spectra[:, :, :several], spectra[:, :, several:], estimator, source)
     averages -= several - 1
-    warnings = []
+    said = [f"{one}; take a longer block" for one in _unresolved(lines, np.hstack(list(values)), window, end)]
+    reach = float(lines[-1])
     if averages < 2:
         coherence = np.ones_like(coherence)
-        warnings.append(f"{source}: a single average tells no coherence; take a shorter block")
-    said = _unresolved(lines, np.hstack(list(values)), window)
-    reach = float(lines[-1])
+        if said:  # neither a shorter nor a longer block mends both
+            said = [said[0].replace("take a longer block", "a single average tells no coherence, either: record for longer")]
+        else:
+            said = ["a single average tells no coherence; take a shorter block"]
     return Estimate(
         frequency=lines,
         values=values,
         coherence=coherence,
         averages=int(averages + 1e-9),
         reach=reach,
-        warnings=(*warnings, *(f"{source}: {one}" for one in said)),
+        warnings=tuple(f"{source}: {one}" for one in said),
     )
 
 
@@ -209,8 +214,8 @@ def _stays(channel: Array, end: float) -> bool:
     return bool(np.any(edges[1::2] - edges[::2] >= CLIPPED))
 
 
-def _unresolved(f: Array, values: ComplexArray, window: str) -> list[str]:
-    """What is to be said of the highest peak of every function if fewer than four lines make it."""
+def _unresolved(f: Array, values: ComplexArray, window: str, end: float) -> list[str]:
+    """What is to be said of the highest peak of every function, where it lies below `end` [Hz], if too few lines make it."""
     said = []
     width = 4 if window == "hann" else 3
     for c in range(values.shape[1]):
@@ -221,10 +226,10 @@ def _unresolved(f: Array, values: ComplexArray, window: str) -> list[str]:
             low -= 1
         while high < len(level) - 1 and level[high + 1] > level[k] / np.sqrt(2):
             high += 1
-        if high - low + 1 < width and 0 < k < len(level) - 1:
+        if high - low + 1 < width and 0 < k < len(level) - 1 and f[k] <= end:
             said.append(
                 f"the peak at {f[k]:.4g} Hz is {high - low + 1} of {width} lines wide: {f[1] - f[0]:.3g} Hz are too coarse for "
-                "its damping, which will seem larger; take a longer block"
+                "its damping, which will seem larger"
             )
     return said[:1]
 

@@ -342,6 +342,47 @@ def test_a_table_that_is_typed_has_deviations_or_says_that_the_usual_are_taken(t
     assert len(found.warnings) == 1
 
 
+def test_shapes_that_were_scaled_to_a_sensor_are_told_of_once(tmp_path: Path) -> None:
+    table = {
+        "kind": "modal-table",
+        "article": "beam",
+        "frequencies": ["4.06 +/- 0.03 Hz", "4.55 +/- 0.02 Hz"],
+        "shapes": {"file": "shapes.csv", "sensor": "dof", "modes": "mode{}", "deviations": "sd{}"},
+    }
+    rows = "dof,mode1,mode2,sd1,sd2\nnorth:z,1,0.5,0,0.01\nmiddle:z,0.4,0.3,0.01,0.02\nsouth:z,0.2,1,0.02,0\n"
+    (tmp_path / "shapes.csv").write_text(rows)
+    found = test_file.read(tmp_path / "t.toml", table)
+    assert isinstance(found, ModalTable)
+    assert len(found.warnings) == 1
+    assert "mode 1 at north-z, mode 2 at south-z" in found.warnings[0]
+
+
+def test_one_fault_of_several_records_is_told_once_and_no_peak_beyond_the_band(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    force = rng.standard_normal(RATE * 4)
+    names, x = ("a.csv", "b.csv"), answer(force, zeta=0.001)
+    for name in names:
+        np.savetxt(
+            tmp_path / name, np.column_stack([np.arange(len(force)) / RATE, force, x]), delimiter=",", header="t,f,x", comments=""
+        )
+    columns = {"time": "t", "force": "f", "response": "x"}
+    table = {
+        "kind": "response-functions",
+        "article": "beam",
+        "drive": "tip:z",
+        "band": [5.0, 30.0],
+        "records": {"block": "4 s", "window": "boxcar"},
+        "files": [{"path": name, "responses": [f"{name[0]}:z"], "columns": columns} for name in names],
+    }
+    (said,) = (one for one in test_file.read(tmp_path / "t.toml", table).warnings if "average" in one)
+    assert all(name in said for name in names)
+    assert said.endswith("take a shorter block")
+    near = test_file.read(tmp_path / "t.toml", table | {"band": [5.0, 100.0]}).warnings
+    told = [one for one in near if "average" in one]  # a shorter block would mend one fault, a longer one the other
+    assert len(told) == 1
+    assert told[0].endswith("record for longer")
+
+
 POLES = {
     "Fn": np.array([4.06, 4.55]),
     "Xi": np.array([0.011, 0.013]),

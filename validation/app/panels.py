@@ -31,12 +31,15 @@ from validation.compare.compare import run as run_in_words
 from validation.diagnose.diagnosis import Cause, Diagnosis, sized
 from validation.effects import practical_units
 from validation.effects.effect import at_position
+from validation.estimation.verdicts import STANDS_OUT
 from validation.output import nats
 from validation.report.charts import functions, maps
+from validation.report.charts.crosscheck import standing_of
 from validation.report.charts.figure import Figure
 from validation.report.charts.history import falling_errors, identified_inertia, way_to
 from validation.report.charts.interactive import escaped
 from validation.report.charts.spec import ACCEPTED, ALIKE, LESS, TOO_MUCH_LEFT, signed_log
+from validation.report.compare import CHANCE
 from validation.report.scenes import motion
 from validation.report.scenes.turntable import Turn, Turntable
 
@@ -76,12 +79,6 @@ async def matched(window: WindowState, picked: dict[str, Any]) -> None:
 
 LOW = 270
 """Least height of a figure [pixels]; the page gives it what there is."""
-
-HEADINGS = {
-    "mass and moments about the CoG [%]": "mass and moments<br>about the CoG [%]",
-    "products about the CoG [% of √(Θii Θjj)]": "products<br>about the CoG<br>[% of √(Θii Θjj)]",
-}
-"""Of the inertia, in lines as narrow as its panels."""
 
 SHORTER = {
     "plain, fitted data": "plain",
@@ -143,8 +140,7 @@ async def rungs_shown(window: WindowState) -> None:
         """With its headings in narrow lines, likewise."""
         figure = identified_inertia(dict(list(bodies.items())[-BESIDE:]), dark=dark)
         for heading in figure.layout["annotations"]:
-            if heading["text"] in HEADINGS:
-                heading |= {"text": HEADINGS[heading["text"]], "font": {"size": 11}}
+            heading |= {"text": heading["text"].replace(" [", "<br>["), "font": {"size": 11}}
         figure.across(tickangle=0, tickfont={"size": 10})
         return _untitled(figure, 50)
 
@@ -330,14 +326,16 @@ async def comparing_shown(window: WindowState) -> None:
         next((tone for word, tone in TONES.items() if word in (one["verdict"] or "").lower()), "") for one in compared.errors
     ]
     state.errors = [{**one, "tone": tone} for one, tone in zip(compared.errors, tones, strict=True)]
-    state.worst = [{"sigma": f"{one['sigma']:.1f}", "text": one["text"]} for one in compared.summary["worst"]]
+    worst = compared.summary["worst"]
+    kept = sum(one["sigma"] >= STANDS_OUT for one in worst) or CHANCE  # as the command prints them
+    state.worst = [{"sigma": f"{one['sigma']:.1f}", "text": one["text"]} for one in worst[:kept]]
     state.remarks = list(compared.summary["warnings"])
     state.campaigns = list(compared.campaigns)
     fresh = state.campaign not in compared.campaigns
     if fresh:
         state.campaign = compared.campaigns[0]
     _of_campaign(window)
-    if fresh and compared.summary["worst"]:
+    if fresh and worst:
         if state.kind != MASS:
             await spot(window, 0)
             return
@@ -500,6 +498,9 @@ def _go(window: WindowState, to: MapEntry) -> None:
 SHOWN = 12
 """Causes in the list."""
 
+TONE_OF_CAUSE = {ACCEPTED: "good", ALIKE: "doubt", LESS: "faint", TOO_MUCH_LEFT: "bad"}
+"""Of a cause, by where it stands."""
+
 
 async def diagnosing_shown(window: WindowState) -> None:
     """Bring verdict and ranking to the diagnosis of the model as it stands, where it was made."""
@@ -536,13 +537,10 @@ async def diagnosing_shown(window: WindowState) -> None:
 
 def _cause(one: Cause, found: Diagnosis, share: float) -> dict[str, Any]:
     alike = one.id in found.equivalence_class and len(found.equivalence_class) > 1
-    if one.id in {accepted.id for accepted in found.accepted}:
-        standing = ACCEPTED + (", as one of several that the data cannot tell apart" if alike else "")
-        tone = "doubt" if alike else "good"
-    elif alike:
-        standing, tone = ALIKE, "doubt"
-    else:
-        standing, tone = (LESS, "faint") if one.null else (TOO_MUCH_LEFT, "bad")
+    standing = standing_of(found, one)
+    tone = "doubt" if alike else TONE_OF_CAUSE[standing]
+    if standing == ACCEPTED and alike:
+        standing += ", as one of several that the data cannot tell apart"
     # Where the 90 % interval of its first size lies on a line that holds no effect, too: in per cent, and in words
     interval: dict[str, Any] | None = None
     if one.sizes and one.sizes[0].low != one.sizes[0].high:

@@ -252,17 +252,17 @@ class Session:
         return Study.of_spectra(model, data, made, replace(self.asked, model=str(self.model)))
 
     def rung(self, study: Study, progress: Progress) -> Version:
-        """The rung on which the model stands, fitted and kept where it was not yet.
+        """The rung on which the model stands, fitted and kept where it was not yet; of a fit that does not converge that is said.
 
         Raises
         ------
         BadInput : the working copy was changed meanwhile.
-        CheckFailed : a fit does not converge.
         """
         at = history_position(self.model)
         if at.rung is not None and at.rung.stands_on(add.conditions_of(study)):
             return at.rung
-        found = add.grounded(at, study, lambda what, share: progress(what.removeprefix("the model before: "), share))[0].rung
+        tell = lambda what, share: progress(what.removeprefix("the model before: "), share)  # noqa: E731
+        found = add.grounded(at, study, tell, ended=False)[0].rung
         if found is None:
             raise RuntimeError("a rung that was kept must be the one on which the model stands")
         return found

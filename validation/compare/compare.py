@@ -123,10 +123,10 @@ def _remarks(made: Sequence[StructurePrediction], maps: Sequence[Map], evaluatio
             have = "1 line lies" if lines == 1 else f"{lines} lines lie"
             few = f"only {have} in the band of {one.measured.name}"
             yield f"{few}: no verdict of this page rests on less than {FEW}; widen --band"
-    for name, fit in (("plain", evaluation.plain_fit), ("fitted", evaluation.fitted)):
+    for name, fit in (("plain fit", evaluation.plain_fit), ("fit of every tolerance", evaluation.fitted)):
         if not fit.converged:
             moved = f"its {len(fit.parameters)} parameters still moved, and its figures are no minimum"
-            yield f"the {name} fit did not converge: {moved}"
+            yield f"the {name} did not converge: {moved}"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -572,6 +572,11 @@ class Map:
         return len(self.frequency) > 1
 
     @property
+    def shown(self) -> str:
+        """What the rows are."""
+        return "channels and loads" if self.channels < len(self.rows) else "channels"
+
+    @property
     def sigma(self) -> Array:
         """(r, n, m) deviations in standard deviations."""
         return np.asarray(np.abs(self.deviation) / self.expected)

@@ -216,6 +216,10 @@ def _drawn(channels: npt.NDArray[np.int64], count: int) -> npt.NDArray[np.int64]
 OFF = 0.15
 """[share] by which readings may be off for other reasons. Held by tests/validation/diagnosing/test_mistakes.py."""
 
+LEAST_VARIANCE = 1e-30
+"""[1] of a reading without noise held against nothing, in the square of its unit. Exercised by
+tests/validation/diagnosing/test_mistakes.py."""
+
 SIGN_PENALTY = 8.0
 """[nats] Prior penalty of a wrong sign. Exercised by tests/validation/diagnosing/test_mistakes.py."""
 
@@ -419,7 +423,7 @@ def _likelihood(every: Sequence[LowFrequencyReadings], c: int, d: int, factor: f
     """[nats] That channel c holds `factor` times what channel d should read."""
     found = 0.0
     for one in every:
-        variance = np.maximum(one.noise[:, c] ** 2 + (factor * OFF * one.level[:, d]) ** 2, 1e-30)  # no noise, factor 0
+        variance = np.maximum(one.noise[:, c] ** 2 + (factor * OFF * one.level[:, d]) ** 2, LEAST_VARIANCE)
         off = np.abs(one.reading[:, c] - factor * one.expected[:, d]) ** 2
         found -= float(np.sum(off / variance + np.log(variance))) / one.lines
     return found

@@ -505,7 +505,8 @@ def loaded(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[Offe
         article, places = above_fmd(one.tested.campaign.article), list[str]()
         with suppress(BadInput):
             points = locations(article, one.tested.model.changes) if article else {}
-            places = sorted(one.tested.carried.standing.there.places, key=lambda place: points[place][2])  # the lowest first
+            known = [place for place in one.tested.carried.standing.there.places if place in points]  # not a user's own
+            places = sorted(known, key=lambda place: points[place][2])  # the lowest first
         by_template.append((one, places))
     of, there = max(by_template, key=lambda each: len(each[1]))
     chosen = dict.fromkeys((*(place for place in asked if place in there), *there[::-1]))

@@ -248,21 +248,22 @@ class EvaluatedModel:
     body: Body | None
 
 
-def judged(study: Study, parent: Version | None, progress: Progress | None = None) -> EvaluatedModel:
+def judged(study: Study, parent: Version | None, progress: Progress | None = None, *, ended: bool = True) -> EvaluatedModel:
     """The model of a `study` held against its data.
 
     Parameters
     ----------
     parent : on the same data, of the model without its last effect: no fit costs more than its own
+    ended : whether a fit without a parent must have converged
 
     Raises
     ------
-    CheckFailed : a fit without a parent does not converge.
+    CheckFailed : it must, and does not.
     """
     tell = progress or (lambda what, share: None)
     if parent is None:
         found = study.evaluation(lambda share: tell("fitting", share))
-        for one in (found.plain_fit, found.fitted):
+        for one in (found.plain_fit, found.fitted) if ended else ():
             one.required()
     else:
         whole = study.whole()
@@ -525,9 +526,11 @@ def conditions_of(study: Study) -> Conditions:
     return Conditions(data=sources, hold_out=study.hold_out, band=asked.band, method=asked.spectra)
 
 
-def grounded(at: HistoryPosition, study: Study, progress: Progress) -> tuple[HistoryPosition, tuple[str, ...]]:
+def grounded(
+    at: HistoryPosition, study: Study, progress: Progress, *, ended: bool = True
+) -> tuple[HistoryPosition, tuple[str, ...]]:
     """`at` on a rung that stands on the data of a `study`, evaluated and kept at once where there was none, and what is to be
-    said."""
+    said; `ended` as in `judged`."""
     conditions = conditions_of(study)
     if at.rung is not None and at.rung.stands_on(conditions):
         return at, ()
@@ -539,7 +542,7 @@ def grounded(at: HistoryPosition, study: Study, progress: Progress) -> tuple[His
     else:
         rung = Version(number=len(at.ladder.rungs), parent=at.rung.number, cause=history.OTHER_DATA, model=at.text)
         said = (f"rung {at.rung.number} stands on other data or settings: the model is held against these first",)
-    found = judged(study, None, lambda what, share: progress(f"the model before: {what}", share))
+    found = judged(study, None, lambda what, share: progress(f"the model before: {what}", share), ended=ended)
     return history.kept(at, replace(rung_with(rung, found), conditions=conditions, settings=_settings(study.model))), said
 
 

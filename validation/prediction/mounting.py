@@ -16,7 +16,7 @@ import numpy.typing as npt
 from fem.base_excitation import rig
 from fem.damping import Damping, damping_per_mode, default_damping, is_assumed
 from fem.modes import Modes, fixed_base
-from fem.structure import Structure
+from fem.structure import ON_NODE, Structure, nearest_node
 from fem.user_model.reading import UsersModel, is_model, load
 from geometry import routes
 from geometry.article import Article
@@ -226,7 +226,20 @@ def mounted_article(model: Model, campaign: Campaign, highest: float = 0.0) -> M
     found = _made(replace(recipe, sensors=tuple(dict.fromkeys(at.values()))))
     there = {name: place for name, place in at.items() if found.matrices is not None and place in found.matrices.places}
     unread = [_unread(recipe, campaign.source, name, place) for name, place in at.items() if name not in there]
-    return replace(found, pose=pose, sensors=there, remarks=(*said, *unread, *((OF_SENSORS,) if there else ())))
+    said = (*said, *unread, *_riding(recipe, campaign.source, there), *((OF_SENSORS,) if there else ()))
+    return replace(found, pose=pose, sensors=there, remarks=said)
+
+
+def _riding(recipe: "_Recipe", source: str, there: Mapping[str, str]) -> list[str]:
+    """What is to be said of the accelerometers that are `there` and beside a node, on a model without elements."""
+    model = users_model(recipe.own, recipe.stamp).model if recipe.own and recipe.kind != RIGID else None
+    if not isinstance(model, Structure) or model.elements is not None:
+        return []
+    near = {name: nearest_node(model, np.array(position(place))) for name, place in there.items()}
+    off = ", ".join(f"{name} {1e3 * away:.3g} mm away" for name, (_, away, gap) in near.items() if away > ON_NODE * gap)
+    return (
+        [f"accelerometers in {source} ride on the nearest nodes of {recipe.article}, which has no elements: {off}"] if off else []
+    )
 
 
 def _unread(recipe: "_Recipe", source: str, name: str, place: str) -> str:

@@ -331,7 +331,9 @@ def predictions(
         done = partial(lambda before, share: tell((before + share) / count), k)
         made = measured(campaign, of, name, band=band, method=method, lines=lines, progress=done)
         driven, stands = drives(campaign, made.method), mounted_article(model, campaign, float(made.measured.frequency[-1]))
-        unread = ", ".join(name for name in of.left_out if not any(name in said for said in stands.remarks))
+        unread = ", ".join(
+            name for name in of.left_out if not any(said.startswith(f"accelerometer {name} ") for said in stands.remarks)
+        )
         why = f"not used: {unread}, which read no motion of cover plate, table or article, and no load of the FMD"
         tested = TestedCampaign(
             model=model,

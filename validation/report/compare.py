@@ -16,7 +16,7 @@ from validation.compare.correlation import FunctionCorrelation, ModalCorrelation
 from validation.compare.maps import Map
 from validation.effects.practical_units import written_as
 from validation.estimation.verdicts import ABSURD, STANDS_OUT, StatedError, Tolerance, absurd, misfit
-from validation.output import NONE, json_text, shown, stages, to_json, two_digits, with_unit
+from validation.output import NONE, json_text, shown, significant, stages, to_json, two_digits, with_unit
 from validation.reference.reference import file_name
 from validation.report import document as doc
 from validation.report.charts import crosscheck, maps, spec
@@ -47,7 +47,7 @@ def document(found: Comparison) -> doc.Document:
             doc.Drawn(lambda: four_errors(found)),
             page.spots(),
             *(partial(_maps, of, modes, k) for k, (of, modes) in enumerate(both)),
-            parts_notes([SCALE]),
+            parts_notes([SCALE if any(of.has_lines for of in found.maps) else CHANCES]),
             page.runs(),
             page.misfits(),
             page.entries(),
@@ -84,15 +84,13 @@ def errors(found: Comparison) -> doc.Table:
     rows = error_rows(found)
     said = "what it means, and what is to be thought of it"
 
-    def thought(row: ErrorRow) -> str:
+    def thought(row: ErrorRow, judged: bool = False) -> str:
         one = row[3]
-        if one is None:
-            return ""
-        return f"{one.meaning}. {one.text[:1].upper()}{one.text[1:]}" if one.text else one.meaning
-
-    def judged(row: ErrorRow) -> str:
-        one = row[3]
-        return thought(row) if one is None or not one.verdict else f"{one.meaning}. {one.verdict.upper()}: {one.text}"
+        if one is None or not one.text:
+            return "" if one is None else one.meaning
+        verdict = f"{one.verdict.upper()}: " if judged and one.verdict else ""
+        text = one.text if verdict or one.text.startswith("χ") else f"{one.text[:1].upper()}{one.text[1:]}"
+        return f"{one.meaning}. {verdict}{text}"
 
     return doc.Table(
         caption="The four errors",
@@ -112,7 +110,7 @@ def errors(found: Comparison) -> doc.Table:
             doc.Column("unit", lambda row: row[2], words=True, on=doc.PAGE),
             doc.Column("verdict", lambda row: verdict(_of(row, "verdict")), words=True, on=doc.PAGE),
             doc.Column(said, thought, words=True, on=doc.PAGE),
-            doc.Column(said, judged, words=True, on=doc.TERMINAL),
+            doc.Column(said, partial(thought, judged=True), words=True, on=doc.TERMINAL),
             doc.Column("", lambda row: _of(row, "meaning"), panel="meaning", on=doc.PANEL),
             doc.Column("", lambda row: _of(row, "verdict") or None, panel="verdict", on=doc.PANEL),
             doc.Column("", lambda row: _of(row, "text"), panel="text", on=doc.PANEL),
@@ -131,21 +129,18 @@ class ComparisonPage:
     found: Comparison
 
     def spots(self) -> doc.Table:
-        """The worst spots in words; on a terminal those that stand out, or else the worst three, as chance leaves them."""
+        """The worst spots in words: those that stand out, or else the worst three, as chance leaves them."""
         rows = list(enumerate(self.found.worst, start=1))
+        rows = [row for row in rows if row[1].sigma >= STANDS_OUT] or rows[:CHANCE]
         return doc.Table(
             caption="The worst spots",
             rows=rows,
-            shown=[row for row in rows if row[1].sigma >= STANDS_OUT] or rows[:CHANCE],
             columns=(
                 doc.Column("", lambda row: f"{row[0]}", words=True, on=doc.PAGE),
                 doc.Column("", lambda row: f"{row[0]:>2}", words=True, on=doc.TERMINAL),
                 doc.Column("deviation", lambda row: row[1].sigma, ".3g", unit="σ", said=("sigma", two_digits), aligned=False),
-                doc.Column("of the reading", lambda row: row[1].percent, ".3g", unit="%", on=doc.PAGE),
+                doc.Column("of the reading", lambda row: row[1].percent, partial(significant, digits=3), unit="%", on=doc.PAGE),
                 doc.Column("at", lambda row: row[1].frequency, ".2f", unit="Hz", on=doc.PAGE),
-                doc.Column("row", lambda row: row[1].row, words=True, on=doc.PAGE),
-                doc.Column("run", lambda row: row[1].run, words=True, on=doc.PAGE),
-                doc.Column("campaign", lambda row: row[1].data_set, words=True, on=doc.PAGE),
                 doc.Column("in words", lambda row: text(row[1], len(self.found.maps)), words=True, said="where it fails"),
             ),
         )
@@ -160,7 +155,9 @@ class ComparisonPage:
                 doc.Column("run", lambda row: row[2], words=True),
                 doc.Column("campaign", lambda row: row[0].data_set, words=True),
                 doc.Column("plain error", lambda row: by_run.get(f"{row[0].data_set}/{row[2]}"), ".3g", unit="%"),
-                doc.Column("χ² per degree of freedom", lambda row: float(row[0].misfit[row[1]].mean()), ".3g"),
+                doc.Column(
+                    "χ² per degree of freedom", lambda row: float(row[0].misfit[row[1]].mean()), partial(significant, digits=3)
+                ),
                 doc.Column("worst cell", lambda row: float(row[0].sigma[row[1]].max()), ".3g", unit="σ"),
             ),
             on=doc.PAGE,
@@ -240,9 +237,9 @@ class ComparisonPage:
         )
         # Modes within the band by name
         for of, modes in zip(self.found.maps, self.found.modes, strict=True):
-            inside = [one for one in modes if of.frequency[0] <= one.frequency <= of.frequency[-1]]
-            if inside:
-                yield f"Modes of {of.data_set}: {_some([f'{one.name} {one.frequency:.2f} Hz' for one in inside], 8)}."
+            within = [one for one in modes if of.frequency[0] <= one.frequency <= of.frequency[-1]]
+            if inside := [f"{one.name} {one.frequency:.2f} Hz" for one in within]:
+                yield f"Modes of {of.data_set} at the plain fit: {_some(inside, 8)}."
         if self.found.evaluation.held_out_names:
             yield f"Used only for checking (held out): {_some(self.found.evaluation.held_out_names)}."
         if self.found.effects:
@@ -272,7 +269,6 @@ def correlation_tables(correlation: Sequence[ModalCorrelation | FunctionCorrelat
             doc.Column("MAC", lambda row: row[1].mac, ".3f"),
             doc.Column("of", lambda row: row[0], words=True, on=doc.PAGE),
         ),
-        note="JSON and CSV have MAC and cross-orthogonality of all modes, and COMAC by sensor.",
     )
     every = [one for one in correlation if isinstance(one, FunctionCorrelation)]
     functions = doc.Table(
@@ -532,7 +528,9 @@ def sensors_html(report: Report, figures: doc.Figures) -> doc.Safe:
 # Where the model fails: four errors, the worst spots in words, maps in sigmas, runs, classical measurements.
 
 
-SCALE = "Pale: what chance reaches. From 4 sigma on it is no chance. Triangles: modes of the model. Empty: nothing checks the row"
+CHANCES = "Pale: what chance reaches. From 4 sigma on it is no chance. Empty: nothing checks the row"
+SCALE = f"{CHANCES}. Triangles: modes of the model"
+"""Of a table of modes, and of lines."""
 
 
 def where_html(report: Report, figures: doc.Figures) -> doc.Safe:

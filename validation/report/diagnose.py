@@ -25,6 +25,7 @@ from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import evidence_threshold
 from validation.effects.practical_units import said, written_as
 from validation.estimation.evaluate import named, without
+from validation.estimation.fit import COARSE
 from validation.history.history import Version, reminded
 from validation.history.verdict import at_offsets, kept_offsets
 from validation.model import model_file
@@ -36,6 +37,7 @@ from validation.report import history, parts
 from validation.report.charts import crosscheck
 from validation.report.charts.crosscheck import standing_of, tried
 from validation.report.compare import correlation_tables, draw_channels
+from validation.report.compare import document as document_of_comparison
 from validation.report.document import NOTHING as EMPTY
 from validation.report.history import climb, of_ladder
 from validation.report.scenes.motion import NOTE, draw_nodes
@@ -83,36 +85,13 @@ SPREAD = 1.05
 """Factor between the least and the greatest of a family within which one figure says it."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class DetectableRow:
-    """A family, or what its targets have in common.
-
-    Attributes
-    ----------
-    side, family : of the catalogue: "structure", "force side" and so on; its name
-    unit : SI
-    text : least and greatest over its targets in a practical unit: "12 mm", "1.5 % to 2.2 %", "at no size"
-    best, worst : targets of these, with what they belong to ("21 Hz"); empty where there is none
-    count, unseen : targets, and those of them where no size that an effect can have would have been named
-    """
-
-    side: str
-    family: str
-    unit: str
-    text: str
-    best: str
-    worst: str
-    count: int
-    unseen: int = 0
-
-
-def rows(of: Sequence[results.Detectable]) -> tuple[DetectableRow, ...]:
-    """`of` by family, in the order of the catalogue; a family that says its sizes in several units has a row for each."""
+def grid(of: Sequence[results.Detectable]) -> doc.Grid:
+    """`of` by family, each side of the catalogue under its heading; of sizes in several units a row for each."""
 
     def target(one: results.Detectable) -> str:
         return ", ".join(part for part in (one.id.partition(":")[2], one.at and f"at {one.at}") if part)
 
-    found = []
+    lines, side = list[tuple[str, str, str]](), ""
     for name, family in FAMILIES.items():
         every = [one for one in of if one.id.partition(":")[0] == name]
         for unit in dict.fromkeys(one.unit for one in every):
@@ -123,34 +102,17 @@ def rows(of: Sequence[results.Detectable]) -> tuple[DetectableRow, ...]:
             least, greatest = (seen or own)[0], (seen or own)[-1]
             low, high = said(least.size, unit), said(greatest.size, unit)
             together = not seen or greatest.size <= SPREAD * least.size or low == high
-            row = DetectableRow(
-                side=family.side,
-                family=name,
-                unit=unit,
-                text="at no size" if not seen else low if together else f"{low} to {high}",
-                best=target(least),
-                worst="" if together else target(greatest),
-                count=len(own),
-                unseen=len(own) - len(seen),
-            )
-            found.append(row)
-    return tuple(found)
-
-
-def grid(of: Sequence[results.Detectable]) -> doc.Grid:
-    """`rows` as a table, each side of the catalogue under its heading."""
-    lines: list[tuple[str, str, str]] = []
-    side = ""
-    for one in rows(of):
-        lines += [(one.side, "", "")] if one.side != side else []
-        several = f"{one.best} to {one.worst}, {one.count} in all" if one.worst else f"all {one.count} alike"
-        several += f", at no size at {one.unseen}" if 0 < one.unseen < one.count else ""
-        lines.append((f"  {one.family}", one.text, one.best if one.count == 1 else several))
-        side = one.side
-    first, size, where = zip(*lines, strict=True)
+            alike = "both alike" if len(own) == 2 else f"all {len(own)} alike"
+            at = alike if together else f"{target(least)} to {target(greatest)}, {len(own)} in all"
+            at += f", at no size at {len(own) - len(seen)}" if 0 < len(seen) < len(own) else ""
+            size = "at no size" if not seen else low if together else f"{low} to {high}"
+            lines += [(family.side, "", "")] if family.side != side else []
+            lines.append((f"  {name}", size, target(least) if len(own) == 1 else at))
+            side = family.side
+    first, sizes, where = zip(*lines, strict=True)
     return doc.Grid(
         header=("would have been named", "from", "at"),
-        lines=tuple(zip(first, doc.aligned(size), where, strict=True)),
+        lines=tuple(zip(first, doc.aligned(sizes), where, strict=True)),
         words=True,
         caption="The smallest sizes that would have been named",
     )
@@ -310,9 +272,6 @@ def draw_left(found: results.Diagnosis, bench: Study, folder: Path, progress: Ca
 RANKED = 8
 """Causes that the page shows; JSON has all."""
 
-NO_EVIDENCE = ("+0.0", "-0.0")
-"""[nats] as they are printed."""
-
 IN_NATS = (
     "Evidence: how much more probable the data are with it than without it, as the natural logarithm of the odds (nats): 3 is "
     "20 to 1, 8 is 3000 to 1."
@@ -340,7 +299,7 @@ def explained(one: results.Cause) -> doc.Grid:
         ("mistaken for", ", ".join(one.mistaken_for) or NONE),
         ("confirm it by", one.confirmed_by or NONE),
     )
-    return doc.Grid(header=(one.id, one.named.what), lines=lines, words=True, caption=f"{one.id}: {one.named.what}")
+    return doc.Grid(header=(one.id, one.named.what), lines=lines, words=True, caption="What it means, and what confirms it")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -462,7 +421,7 @@ class DiagnosisPage:
             return None
         where = f"{of.load} by {of.motion}" if of.load else ", ".join(of.channels[:4])
         lines = (
-            ("what is left", of.text),
+            ("what is left", "" if of.text in self.found.text else of.text),
             ("looks like", of.looks_like),
             ("where", where),
             ("size", "" if of.size is None else with_unit(f"{of.size:.3g}", of.unit)),
@@ -523,7 +482,10 @@ class DiagnosisPage:
         changed = self.found.after is not self.found.before
         return doc.Table(
             caption="The errors before and after what was found is added",
-            note="Made at fewer lines than those of a comparison, so that their last digits differ.",
+            note=(
+                "Made at fewer lines than those of a comparison; where resonances of model and data do not overlap, over a "
+                f"model error of {COARSE[0]:.0%}.".replace("%", " %")
+            ),
             rows=[row for row in parts.ERRORS if before[row[2]] is not None and changed],
             columns=(
                 doc.Column("error", lambda row: row[0], words=True),
@@ -539,7 +501,11 @@ class DiagnosisPage:
         shown = self.found.known_better[:CALIBRATIONS]
 
         def figures(one: results.KnownBetter) -> tuple[tuple[str, ...], str]:
-            return written_as(one.unit, (one.value, one.low, one.high, one.before))
+            return written_as(one.unit, (one.value, one.low, one.high))
+
+        def admitted(one: results.KnownBetter) -> str:
+            (text,), unit = written_as(one.unit, (one.before,), signed=False)
+            return with_unit(text, unit)
 
         return doc.Table(
             caption="Known better now: what is within the class of the laboratory, and not missing",
@@ -548,16 +514,15 @@ class DiagnosisPage:
                 doc.Column("known better now", lambda one: one.id, words=True),
                 doc.Column("value", lambda one: figures(one)[0][0]),
                 doc.Column("90 % interval", lambda one: "{1} to {2}".format(*figures(one)[0])),
-                doc.Column("admitted (sd)", lambda one: figures(one)[0][3].lstrip("+")),
                 doc.Column("unit", lambda one: figures(one)[1] or NONE, words=True),
+                doc.Column("admitted (sd)", admitted, words=True),
             ),
         )
 
     def tried(self) -> doc.Table:
         """Every cause that was tried, a line for each of its numbers: name, value, both ends of its interval, unit."""
-        every = {one.id: one for one in (*self.found.ranking, *self.found.accepted)}.values()  # as it was accepted
         rows: list[tuple[results.Cause, tuple[doc.Cell, ...]]] = []
-        for one in sorted(every, key=lambda one: -one.evidence):
+        for one in tried(self.found):
             for size in one.sizes:
                 *figures, unit = results.interval(one, size)
                 value, low, high = (doc.Number(value=float(text), text=text.replace("-", "−")) for text in figures)
@@ -572,7 +537,6 @@ class DiagnosisPage:
             columns=(
                 doc.Column("cause", lambda row: row[0].id, words=True),
                 doc.Column("evidence", lambda row: row[0].evidence, nats, unit="nats"),
-                doc.Column("odds", lambda row: odds(row[0].evidence), words=True),
                 doc.Column("asked for", lambda row: evidence_threshold(row[0].named.family), "g", unit="nats"),
                 *([doc.Column("number", lambda row: row[1][0], words=True)] if several else []),
                 doc.Column("size", lambda row: row[1][1]),
@@ -585,14 +549,13 @@ class DiagnosisPage:
             ),
             note=(
                 "From and to: 90 % interval. Prior penalty: sum of z² of the tolerances with it, over what is due in a "
-                "sound laboratory."
+                "sound laboratory. What adds too little brings less than is asked for, beside what was accepted."
             ),
             on=doc.PAGE,
         )
 
     def ranking(self) -> doc.Table:
         """What was tried, the best first, with its first size and why it stands where it stands."""
-        found, accepted = self.found, {cause.id for cause in self.found.accepted}
 
         def size(one: results.Cause) -> str:
             if not one.sizes:
@@ -600,30 +563,24 @@ class DiagnosisPage:
             value, _, _, unit = results.interval(one, one.sizes[0])
             return with_unit(value, unit)
 
-        def judged(one: results.Cause) -> str:
-            if one.id in accepted:
-                return "accepted"
-            if one.id in found.equivalence_class:
-                return "cannot be told from it"
-            return ("explains less" if found.accepted else "too little") if one.null else "misfit or prior penalty stays too high"
-
         return doc.Table(
-            rows=self._telling[:RANKED],
+            rows=self._telling,
             columns=(
                 doc.Column("tried", lambda one: one.id, words=True),
                 doc.Column("size", size),
                 doc.Column("evidence [nats]", lambda one: nats(one.evidence)),
                 doc.Column("chi²", lambda one: f"{one.misfit:.3g}"),
                 doc.Column("prior penalty", lambda one: f"{one.price:.3g}" if isfinite(one.price) else NONE),
-                doc.Column("so", judged, words=True),
+                doc.Column("so", lambda one: standing_of(self.found, one), words=True),
             ),
             on=doc.TERMINAL,
         )
 
     @property
     def _telling(self) -> list[results.Cause]:
-        """What was tried and says something: where a fit leaves all as it was it has no size worth a line."""
-        return [one for one in self.found.ranking if nats(one.evidence) not in NO_EVIDENCE]
+        """Of what was ranked last what data speak for."""
+        ranked = {one.id for one in self.found.ranking}
+        return [one for one in tried(self.found) if one.id in ranked][:RANKED]
 
     def steps(self) -> doc.Grid:
         """How it was found."""
@@ -647,13 +604,14 @@ class DiagnosisPage:
             "Prior penalty: sum of z² of all tolerances over what is due in a sound laboratory. Chi² alone says little: "
             "tolerances that a fit moves far enough swallow nearly any fault."
         )
-        if len(self._telling) > RANKED:
-            yield f"{len(self._telling) - RANKED} more effects were tried and explain less; --json has all of them."
+        if (more := sum(one.evidence >= crosscheck.LEAST for one in self.found.ranking) - len(self._telling)) > 0:
+            yield f"{more} more effects were tried; --json has all of them."
         if self.found.known_better:
             more = len(self.found.known_better) - CALIBRATIONS
-            words = f"; --json has {more} more" if more > 0 else ""
             correct = "`massline correct` takes gains, delays and places of these out of a record"
-            yield f"Known better now: within what the class of the laboratory admits, and so not missing{words}; {correct}."
+            yield f"Known better now: within what the class of the laboratory admits, and so not missing; {correct}."
+            if more > 0:
+                yield f"--json has {more} more of them."
         if self.found.detectable and self.found.verdict != results.NOTHING:
             yield f"--json has the smallest size at which each of {len(self.found.detectable)} effects would have been named."
         if self.found.verdict == results.NONLINEAR:
@@ -786,7 +744,8 @@ def html(report: parts.Report, figures: doc.Figures) -> doc.Safe:
     if found is None:
         told = parts.paragraphs([f"It was not looked for: {report.not_diagnosed or 'nobody asked'}."])
         return parts.section("missing", "What is missing", told)
-    said = document(found)
+    above = document_of_comparison(report.comparison).notes  # which the page has
+    said = document(replace(found, correlation=()))
     first, *others = said.opening
     return parts.section(
         "missing",
@@ -794,5 +753,5 @@ def html(report: parts.Report, figures: doc.Figures) -> doc.Safe:
         doc.tag("p", first, class_="headline"),
         parts.paragraphs(others),
         *said.html(figures),
-        parts.notes(said.notes),
+        parts.notes([one for one in said.notes if one not in above and "--json" not in one]),
     )

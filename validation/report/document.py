@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 # Titles, names and words come from files of other people; a title with a tag in it is shown with its brackets.
 
 
-EMPTY = frozenset({"br", "img", "hr", "meta", "col", "input"})
+EMPTY = frozenset({"br", "img", "hr", "meta", "col", "input", "wbr"})
 """Elements that have no end."""
 
 
@@ -91,7 +91,9 @@ class Grid:
     def html(self, note: str = "") -> Safe:
         """For a page."""
         columns = [Column(head=head, words=k in self.left) for k, head in enumerate(self.header)]
-        return table(self.caption, columns, [[cell.strip() for cell in line] for line in self.lines], note=note)
+        rows = [[cell.strip() for cell in line] for line in self.lines]
+        headed = [[tag("strong", row[0]), *row[1:]] if row[0] and not any(row[1:]) else row for row in rows]
+        return table(self.caption, columns, headed, note=note)
 
 
 def aligned(cells: tuple[str, ...]) -> tuple[str, ...]:
@@ -156,7 +158,8 @@ class Column:
     @property
     def short(self) -> str:
         """Its name on a terminal."""
-        return (self.said[0] if isinstance(self.said, tuple) else self.said) or self.head
+        told = self.said[0] if isinstance(self.said, tuple) else self.said
+        return told or (f"{self.head} [{self.unit}]" if self.unit else self.head)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -194,7 +197,9 @@ class Table:
     def html(self) -> Safe:
         """For a page; nothing where it has no rows."""
         columns = [one for one in self.columns if one.on not in (TERMINAL, PANEL)]
-        return table(self.caption, columns, [[one.cell(row) for one in columns] for row in self.rows], note=self.note)
+        cells = [[one.cell(row) for row in self.rows] for one in columns]
+        kept = [k for k, of in enumerate(cells) if k == 0 or any(one not in ("", NOTHING) for one in of)]  # no empty column
+        return table(self.caption, [columns[k] for k in kept], list(zip(*(cells[k] for k in kept), strict=True)), note=self.note)
 
     def panel(self) -> list[dict[str, Any]]:
         """For the browser: a mapping a row."""
@@ -274,11 +279,14 @@ class Number:
 Cell = Number | str
 """What stands in a cell; a text may be `Safe`."""
 
-WHOLE, SENTENCE = 12, 60
-"""Rows up to which a table stays on one sheet of paper; letters of a cell that fills several lines, for which it need not."""
+WHOLE, SENTENCE = 11, 60
+"""Lines up to which a table stays on one sheet of paper, and letters of the longest cell of a row that fill another."""
 
-SHORT, TINY = 24, 8
+SHORT, TINY = 24, 10
 """Letters of a text that is not broken on a screen, and of one that is not broken on paper either."""
+
+JOINTS = re.compile(r"[^:@]*[:@]|[^:@]+")
+"""Parts of the id of an effect, behind each of which a line may end."""
 
 NOTHING = Number(value=None, text=NONE)
 
@@ -321,7 +329,12 @@ def table(caption: str, columns: Sequence[Column], rows: Sequence[Sequence[Cell]
                 cells.append(tag(name, cell.text, class_=words, data_value=value, scope=scope))
                 continue
             length = "" if isinstance(cell, Safe) or len(cell) > SHORT else " short" if len(cell) > TINY else " short tiny"
-            cells.append(tag(name, worded(cell), class_=f"words{length}" if column.words else None, scope=scope))
+            said = cell
+            if (
+                ":" in cell and "-" in cell and " " not in cell and not isinstance(cell, Safe)
+            ):  # an id may break between its parts
+                said = joined(*(joined(tag("span", part, class_="kept"), tag("wbr")) for part in JOINTS.findall(cell)))
+            cells.append(tag(name, worded(said), class_=f"words{length}" if column.words else None, scope=scope))
         lines.append(tag("tr", *cells))
     button = tag(
         "button",
@@ -334,8 +347,10 @@ def table(caption: str, columns: Sequence[Column], rows: Sequence[Sequence[Cell]
     named = tag("caption", tag("span", caption), button)
     inner = tag("table", named, tag("thead", tag("tr", *heads)), tag("tbody", *lines))
     below = tag("p", worded(note), class_="note") if note else None
-    long = any(isinstance(cell, str) and len(cell) > SENTENCE for row in rows for cell in row)
-    kind = "table" if long or len(rows) > WHOLE else "table whole"
+    lengths = [
+        max((len(cell) for cell in row if isinstance(cell, str) and not isinstance(cell, Safe)), default=0) for row in rows
+    ]
+    kind = "table whole" if sum(1 + length // SENTENCE for length in lengths) <= WHOLE else "table"
     return tag("div", tag("div", inner, class_="scroll", tabindex="0", role="region", aria_label=caption), below, class_=kind)
 
 

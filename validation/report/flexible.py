@@ -564,7 +564,7 @@ HEAVY = 1e3
 """Times the end of the band: beyond it swings what has next to no mass, such as turns of a frame whose floors alone are heavy."""
 
 MODES_NOTE = (
-    "Base held, about F, as the plain fit has them with the effects of the model. Effective mass along and about every axis. "
+    "Base held, about F, with the effects of the model. Effective mass along and about every axis. "
     "The last modes of a model stand for the static answer of all others and are left out here."
 )
 
@@ -580,16 +580,18 @@ def html(report: Report, figures: Figures) -> Safe:
         own = one.effective_mass[k]
         return Number(value=own, text=f"{own:.3g}" if own > least else "0")
 
-    tables = []
-    for of, modes in zip(found.maps, found.modes, strict=True):
-        if not modes:
-            continue
+    tables, alike = [], dict[tuple[object, ...], list[int]]()
+    for k, (of, modes) in enumerate(zip(found.maps, found.modes, strict=True)):
+        if modes:
+            alike.setdefault((of.configuration, *((one.name, one.frequency) for one in modes)), []).append(k)
+    for same in alike.values():
+        of, modes, names = found.maps[same[0]], found.modes[same[0]], ", ".join(found.maps[k].data_set for k in same)
         near = sum(one.frequency <= 2 * float(of.frequency[-1]) for one in modes)
         least = SMALL * np.max([one.effective_mass or (0.0,) * 6 for one in modes], axis=0)
         driven = range(6) if any(one.effective_mass for one in modes) else range(0)
         along = [Column(f"m eff {SIGNS[k]}", partial(mass, k, least[k]), unit=UNITS[k]) for k in driven]
         table = Table(
-            caption=f"Modes of {of.configuration} ({of.data_set})",
+            caption=f"Modes of {of.configuration} at the plain fit ({names})",
             rows=[one for one in modes[: min(max(near, FEWEST), MOST)] if one.frequency < HEAVY * of.frequency[-1]],
             columns=(
                 Column("mode", lambda one: one.name, words=True),

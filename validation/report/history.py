@@ -40,7 +40,7 @@ from validation.reference.statement import QUANTITIES
 from validation.report import document
 from validation.report.charts import history as charts
 from validation.report.document import PAGE, TERMINAL, Block, Column, Document, Drawn, Figures, Grid, Safe, Table, aligned
-from validation.report.parts import Report, error_figures, error_lines, paragraphs, section
+from validation.report.parts import Report, error_figures, error_lines, section
 from validation.report.parts import notes as parts_notes
 from validation.study import Options, Progress, Study
 
@@ -149,8 +149,6 @@ PRICE = "{tolerance_z2:.3g} of {due_z2:.0f}"
 
 UNKEPT = "plain error, a configuration never seen"
 """An error that versions do not keep."""
-
-NONE_YET = "The model has no ladder yet: `massline add MODEL EFFECT DATA ...` adds an effect, fits it and keeps both versions."
 
 
 def of_added(before: Version, after: Version) -> list[Grid]:
@@ -272,10 +270,10 @@ def text(at: HistoryPosition) -> str:
 
 
 def html(report: Report, figures: Figures) -> Safe:
-    """The section of a report."""
+    """The section of a report; empty where no effect was added."""
     at = report.standing
     if at is None or not any(one.errors for one in at.ladder.rungs):
-        return section("ladder", "The ladder", paragraphs([NONE_YET]))
+        return Safe("")
     said = ladder_document(at)
     return section("ladder", "The ladder", *said.html(figures), parts_notes(said.notes))
 

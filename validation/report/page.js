@@ -32,7 +32,17 @@
 
   function layout(figure) {
     const own = { ...figure.layout, template: template() };
-    return onPaper ? { ...own, width: PAPER_WIDTH, height: onSheet(own.height) } : own;
+    if (!onPaper) return own;
+    return { ...own, width: PAPER_WIDTH, height: onSheet(own.height), yaxis: { ...own.yaxis, tickvals: named(own) } };
+  }
+
+  // Rows of a map that bear their names: all of them, or on paper every second and so on where they are narrower than letters.
+  function named(own) {
+    const rows = own.yaxis?.tickvals;
+    if (!onPaper || own.yaxis?.type !== "category") return rows;
+    const room = onSheet(own.height) - own.margin.t - own.margin.b;
+    const step = Math.ceil((PAPER_LETTERS * rows.length) / room);
+    return rows.filter((_, k) => k % step === 0);
   }
 
   const onSheet = (height) => Math.min(PAPER_HEIGHT * height, PAPER_TALLEST);
@@ -51,9 +61,10 @@
   // What a theme and a sheet of paper change of a figure that is there; what the reader zoomed into stays.
   function redress() {
     for (const plot of plots().filter((one) => one.layout)) {
-      const own = shown(plot).layout.height;
-      const [width, height] = onPaper ? [PAPER_WIDTH, onSheet(own)] : [null, own];
-      Plotly.relayout(plot, { template: template(), width, height });
+      const own = shown(plot).layout;
+      const [width, height] = onPaper ? [PAPER_WIDTH, onSheet(own.height)] : [null, own.height];
+      const rows = own.yaxis?.tickvals ? { "yaxis.tickvals": named(own) } : {};
+      Plotly.relayout(plot, { template: template(), width, height, ...rows });
       if (!onPaper) Plotly.Plots.resize(plot);
     }
   }

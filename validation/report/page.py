@@ -58,7 +58,8 @@ SEEDS = "none: the same data give the same answer (of a simulated campaign the s
 def provenance_html(report: Report, figures: Figures) -> Safe:
     """The section."""
     made = report.provenance
-    settings = {"random numbers": SEEDS, **made.settings}
+    asks = {"spectra": bool(report.campaigns), "band [Hz]": any(one.has_lines for one in report.comparison.maps)}
+    settings = {"random numbers": SEEDS, **{key: value for key, value in made.settings.items() if asks.get(key, True)}}
     asked = {} if report.diagnosis is None else report.diagnosis.settings
     numbers = {key: _text(value) for key, value in asked.items() if key != "random_numbers"}
     return section(
@@ -127,7 +128,7 @@ class ReportSummary:
         where += [f"{modes} modes of tables"] if modes else []
         files = f" and {classical} classical measurement{'s' if classical != 1 else ''}" if classical else ""
         of = "campaign" if len(self.report.campaigns) == len(maps) else "data set"
-        many = f"{len(maps)} {of}{'s' if len(maps) != 1 else ''}{f' of {runs} runs' if runs else ''}"
+        many = f"{len(maps)} {of}{'s' if len(maps) != 1 else ''}{f' of {runs} run' + 's' * (runs > 1) if runs else ''}"
         told = f": {' and '.join(where)}" if where else ""
         return joined(f"{self.report.comparison.title} was held against {many}{files}{told}.")
 
@@ -136,12 +137,11 @@ class ReportSummary:
         _, plain, _, held = self.report.comparison.errors
         of = self.report.comparison.evaluation
         what = "the measured forces" if self.report.campaigns else "what was measured"
-        told = f"With the sensors as calibrated it misses {what} by {percent(of.plain.percent)} "
+        told = joined(f"With the sensors as calibrated it misses {what} by {percent(of.plain.percent)} ", verdict(plain.verdict))
         if of.held_out is None:
-            return joined(told, verdict(plain.verdict), ".")
-        seen = f", those of data that no fit has seen by {percent(of.held_out.percent)} "
+            return joined(told, ".")
         unseen = verdict(plain.verdict if held.verdict == GOOD else held.verdict)
-        return joined(told, verdict(plain.verdict), seen, unseen, ".")
+        return joined(told, f", and of what no fit has seen {percent(of.held_out.percent)}", unseen and joined(" ", unseen), ".")
 
     def worst(self) -> Safe:
         """Where it fails."""
@@ -168,7 +168,7 @@ class ReportSummary:
         known = [(part, part.findings.article) for part in report.campaigns if part.findings is not None]
         alone = [part for part, article in known if article.split("+")[0] != FMD]
         told = [_from_records(part) for part in alone or [part for part, _ in known]]
-        raw = joined(RAW, *_between(told), ".") if told else joined("No inertia was identified from the raw records.")
+        raw = joined(RAW, Safe("; ".join(told)), ".") if told else joined("No inertia was identified from the raw records.")
         # What was diagnosed and is not in the model yet
         there = set(report.comparison.effects)
         lacking = [one.id for one in report.diagnosis.accepted if one.id not in there] if report.diagnosis is not None else []
@@ -176,9 +176,8 @@ class ReportSummary:
         unknown = worded(later if lacking else "")
         if report.identified:
             lead = "with the effects of the model" if report.comparison.effects else "with the model, which has no effects"
-            return joined(
-                f"Identified {lead}: ", *_between([_with_effects(one) for one in report.identified]), ". ", raw, unknown
-            )
+            bodies = Safe("; ".join(map(_with_effects, report.identified)))
+            return joined(f"Identified {lead}: ", bodies, ". ", raw, unknown)
         why = report.not_identified and f" With the effects of the model no inertia was identified: {report.not_identified}"
         return joined(raw, why, unknown)
 
@@ -215,10 +214,6 @@ def _from_records(part: CampaignPart) -> Safe:
     within = abs(value - own) <= math.hypot(half, admitted)
     drawn = f", drawn {plus_minus(own, admitted) if admitted > 1e-3 * half else f'{own:.4g}'} kg, "
     return joined(told, drawn, verdict("within", GOOD) if within else verdict("outside", DOUBTFUL), doubted)
-
-
-def _between(parts: list[Safe]) -> list[str]:
-    return [piece for k, one in enumerate(parts) for piece in ([one] if k == 0 else ["; ", one])]
 
 
 Section = Callable[[Report, Figures], Safe]
@@ -643,10 +638,10 @@ def provenance(asked: ReportOptions) -> Provenance:
         versions=versions,
         inputs=tuple(Source(path=path, digest=digest(path)) for path in dict.fromkeys((*asked_of, *named, *own_effects))),
         settings={
-            "method": question.spectra,
-            "band_hz": question.band or "what all runs drive",
+            "spectra": question.spectra,
+            "band [Hz]": question.band or "what all runs drive",
             "held out": question.hold_out or "each run in turn",
-            "effects of the user's own": [f"{name} ({source})" for name, source in SOURCES.items()],
+            **({"effects of the user's own": [f"{name} ({source})" for name, source in SOURCES.items()]} if SOURCES else {}),
         },
         model_text=Path(question.model).read_text(encoding="utf-8") if Path(question.model).is_file() else "",
     )

@@ -38,10 +38,23 @@ def test_a_fit_that_did_not_converge_is_said(worked):
     assert at.errors is not None
     lost = replace(at, errors=replace(at.errors, converged=False))
     said = session.comparison_on(ready, lost, lambda what, share: None).remarks
-    assert [text.partition(" fit did not converge")[0] for text in said if "did not converge" in text] == [
-        "the plain",
-        "the fitted",
+    assert [text.partition(" did not converge")[0] for text in said if "did not converge" in text] == [
+        "the plain fit",
+        "the fit of every tolerance",
     ]
+
+
+def test_a_model_whose_fit_does_not_converge_is_compared_as_the_command_does(bare, monkeypatch):
+    """The workbench had refused it."""
+    whole = Study.evaluation
+
+    def unended(self, progress=None, **how):
+        found = whole(self, progress, **how)
+        return replace(found, fitted=replace(found.fitted, converged=False))
+
+    monkeypatch.setattr(Study, "evaluation", unended)
+    found = bare.compare()
+    assert any("did not converge" in text for text in found.summary["warnings"])
 
 
 def test_a_comparison_is_there_after_a_reload_but_not_for_another_model_and_not_damaged(fresh):

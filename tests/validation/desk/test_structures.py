@@ -1,5 +1,6 @@
 """A desk on tests of a structure by itself: response functions and a table of modes, held against a mesh of the user's own."""
 
+import re
 import shutil
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -233,6 +234,9 @@ def test_every_switch_draws_what_it_says_and_plotly_takes_it(made):
     pair = ShownPair.chosen(made.compared.table("table shapes"), (0, 0))
     for figure in (pair.mac(made.compared.modes_of("table shapes")), pair.shapes(dark=True)):
         figure.checked()
+    mac = pair.mac(made.compared.modes_of("table shapes"))  # a number above its frequency, upright: they had been turned and cut
+    assert mac.layout["xaxis"]["tickangle"] == 0
+    assert all(re.fullmatch(r"\d+<br>[\d.]+", one) for one in mac.data[0]["x"])
 
 
 def test_a_prediction_of_nothing_is_said_where_a_logarithm_hides_it(made):

@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from geometry.articles import locations
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.frames import Pose, rotation_about
 from identification.campaign import Campaign, Recording, Run
 from identification.self_calibration.solve import Normal
+from validation.diagnose import next_test_offers
 from validation.diagnose.candidates import aliases
 from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.next_test import _whitening, advised, either, following, imagined, nats, told
@@ -204,6 +206,20 @@ def test_an_offset_and_a_shifted_centre_of_gravity_are_one_to_the_data_and_turni
     assert told_by["Weigh the Cuboid"] < 1e-6
     assert told_by["Run the Cuboid with 4 more accelerometers on the cover plate"] < 1.0  # more of the same
     assert "Run the Cuboid" not in told_by  # it was run
+
+
+def test_a_place_that_the_drawing_has_not_is_offered_no_mass(aside, monkeypatch):
+    """Of a user's own article that is called as a built-in one."""
+    there = next_test_offers.locations("cuboid")
+    known = sorted(aside[0].made[0].tested.carried.standing.there.places)
+    monkeypatch.setattr(
+        next_test_offers,
+        "locations",
+        lambda name, *changes: {place: there[place] for place in known[1:]} if name == "cuboid" else locations(name),
+    )
+    offered = menu_of(aside)
+    assert any("kg more at " in words for words in offered)
+    assert not any(words.endswith(f"more at {known[0]}") for words in offered)
 
 
 @pytest.mark.proof  # a test and its fit; the FMD alone below gives what was expected, too

@@ -52,10 +52,10 @@ def once(tmp_path_factory) -> Path:
 def _interrupted(patch: pytest.MonkeyPatch) -> None:
     """The command, ended by Ctrl-C when the fit of the effect begins."""
 
-    def only_before(study: Any, parent: Any, progress: Any = None) -> Any:
+    def only_before(study: Any, parent: Any, progress: Any = None, **how: Any) -> Any:
         if parent is not None:
             raise KeyboardInterrupt
-        return judged(study, parent, progress)
+        return judged(study, parent, progress, **how)
 
     with patch.context() as inner:
         inner.setattr(add, "judged", only_before)
@@ -113,7 +113,7 @@ def test_a_comparison_does_not_doubt_the_model_that_has_the_right_effect(made, a
     assert any("400 of the 561 lines" in said for said in found["warnings"])
 
 
-def no_fit(study: Study, parent: Version | None, progress: object = None) -> EvaluatedModel:
+def no_fit(study: Study, parent: Version | None, progress: object = None, **how: Any) -> EvaluatedModel:
     """What a rung of any figures is made of, in no time."""
     none = Fit(
         parameters=(), offsets=np.zeros(0), covariance=np.zeros((0, 0)), cost=0.0, chi2=1.0, degrees_of_freedom=1,
@@ -144,7 +144,7 @@ def test_what_is_missing_is_added_where_nothing_fits_without_it(effect, once, ru
     """The rung below has no figures then. Where nothing fits with it either, it is refused."""
     fits = []
 
-    def judged_or_failed(study, parent, progress=None):
+    def judged_or_failed(study, parent, progress=None, **how):
         if not (fits and study.model.effects):
             raise CheckFailed("the fit does not converge")
         assert parent is None

@@ -153,8 +153,4 @@ def test_an_edit_of_a_rearranged_file_changes_one_effect_or_refuses():
             assert [one.named.id for one in after.effects] == (ids if new.named.id in ids else [*ids, new.named.id])
             assert (after.article, after.tolerances, after.modes) == (before.article, before.tolerances, before.modes)
             edited += 1
-        for one in before.effects:
-            with suppress(BadInput):
-                left = model_file.of_text(model_file.without_effect(text, one.named.id), "lab.toml").effects
-                assert [each.named.id for each in left] == [e.named.id for e in before.effects if e is not one]
     assert edited > 20

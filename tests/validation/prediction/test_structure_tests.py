@@ -18,7 +18,7 @@ from identification import test_file
 from validation.effects.catalogue import FAMILIES, Named, acts, parse
 from validation.model import model_file
 from validation.model.model import Added, Model, StructureTolerances
-from validation.prediction import effects, series, structure_tests
+from validation.prediction import effects, mounting, series, structure_tests
 from validation.prediction.mounting import mounted_article
 from validation.study import Study
 
@@ -224,7 +224,7 @@ def test_modes_of_a_coarse_mesh_are_unsure_above_the_band_and_turn_into_each_oth
         assert turned == pytest.approx(0.01 * (2 * np.pi) ** 2 * of.frequency[r] * of.frequency[s])
 
 
-def test_an_accelerometer_outside_the_mesh_is_named_in_words_and_the_others_take_part(tmp_path, meaningless):
+def test_an_accelerometer_outside_the_mesh_is_named_in_words_and_the_others_take_part(tmp_path, meaningless, monkeypatch):
     """All of the article were left out for one of them, and nothing said so."""
     path, bare = block(tmp_path, (4, 1, 1), "C3D8", 0.0), meaningless(article="fmd+block")
     path.write_text(path.read_text(encoding="utf-8").partition("[[test]]")[0].replace('"ground"', '"base"'), encoding="utf-8")
@@ -245,8 +245,26 @@ def test_an_accelerometer_outside_the_mesh_is_named_in_words_and_the_others_take
     (said,) = [text for text in of.remarks if "beside-y" in text]
     (bare,) = series.predictions(model, [replace(campaign, article="fmd")])
     assert any(text.startswith("not used: far-y, beside-y, near-z, which read no motion of") for text in bare.remarks)
+    pair = replace(upon[0], name="side-y", places=2 * upon[0].places)  # a sum, whose name stands in another's
+    beside = replace(table, channels=(*table.channels, pair))
+    seen = {
+        name: replace(one, names=beside.names, values=np.hstack([one.values, one.values[:, :1]])) for name, one in read.items()
+    }
+    (more,) = series.predictions(model, [replace(campaign, table=beside, recordings=seen)])
+    assert any(text.startswith("not used: side-y, which read") for text in more.remarks)
     assert said.startswith("accelerometer beside-y in shaken is not used: at (100, 50, 15) mm from the origin of block")
     assert "30 mm outside the mesh; the nearest point is (100, 20, 15) mm" in said
+    # Matrices have no elements, nor has a drawing: what moves there is said of the nearest node
+    own = mounting.users_model
+    without = {str(path): replace(own(str(path), 0), model=replace(own(str(path), 0).model, elements=None))}
+    monkeypatch.setattr(mounting, "users_model", lambda path, stamp: without[path])
+    mounting._made.cache_clear()
+    (loose,) = series.predictions(model, [campaign])
+    mounting._made.cache_clear()
+    (said,) = [text for text in loose.remarks if "ride on" in text]
+    assert said.startswith("accelerometers in shaken ride on the nearest nodes of block, which has no elements: ")
+    assert said.endswith("far-y 10 mm away, beside-y 33.5 mm away")
+    assert "beside-y" in loose.measured.channels
 
 
 @pytest.mark.proof  # two meshes and two fits; what a mesh leaves unsure is held element by element in fem/mesh

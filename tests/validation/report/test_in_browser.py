@@ -4,7 +4,12 @@ import re
 from base64 import b64decode
 from gzip import decompress
 
+import numpy as np
 import pytest
+
+from validation.report.charts import interactive, spec
+from validation.report.document import Figures, Safe, joined
+from validation.report.page import framed
 
 SURFACE = "document.querySelector('.plot')._fullLayout.paper_bgcolor"
 
@@ -79,6 +84,40 @@ def test_paper_is_light_and_without_controls(opened, page, tmp_path):
         found.tab.screenshot(path=tmp_path / "paper.png")
         found.tab.evaluate("dispatchEvent(new Event('afterprint'))")
         assert found.tab.evaluate(SURFACE) == "#171b22"
+
+
+STANDING = ("accepted", "cannot be told from it", "adds too little", "leaves too much")
+
+
+def test_on_paper_rows_of_a_long_map_bear_as_many_names_as_fit_and_a_legend_of_many_lines_leaves_the_title(opened, tmp_path):
+    rows = tuple(f"dof-{k}" for k in range(58))
+    long = spec.HeatMap(title="shapes", frequency=np.arange(1.0, 6.0), rows=rows, values=np.ones((5, 58)), along="mode")
+    causes = tuple(f"connection-compliance:legs-{k}@floor-{k}:beta" for k in range(4))
+    bars = [
+        spec.Bars(
+            name=name, rows=(cause,), values=(30.0,), words=("+30 nats   846 µrad/(N m) (826 to 857)",), roles=name, about=("",)
+        )
+        for name, cause in zip(STANDING, causes, strict=True)
+    ]
+    panel = spec.BarPanel(label="evidence [nats]", rows=causes, bars=tuple(bars), scale=spec.EVIDENCE, asked=4 * (8.0,))
+    told = spec.BarChart(title="Evidence", note="", panels=(panel,), legend={name: name for name in STANDING})
+    figures = Figures()
+    placed = joined(figures.placed(interactive.heat_map(long, False)), figures.placed(interactive.evidence(told, False)))
+    page = tmp_path / "page.html"
+    page.write_text(framed("figures", Safe(""), [("figures", "Figures", placed)], figures, "0"), encoding="utf-8")
+    with opened(page) as found:
+        found.tab.emulate_media(media="print")
+        found.tab.evaluate("dispatchEvent(new Event('beforeprint'))")
+        found.becomes("document.querySelector('.plot')._fullLayout.width", 799)
+        names = "[...document.querySelector('.yaxislayer-above').querySelectorAll('text')]"
+        boxes = found.tab.evaluate(f"{names}.map(one => one.getBoundingClientRect().y)")
+        assert 20 < len(boxes) < 58
+        assert np.diff(sorted(boxes)).min() > 10  # [px] as high as letters
+        title, legend = (
+            found.tab.evaluate(f"document.querySelectorAll('.plot')[1].querySelector('{one}').getBoundingClientRect().toJSON()")
+            for one in (".gtitle", ".legend")
+        )
+        assert title["bottom"] <= legend["top"]
 
 
 def test_no_click_leads_out_of_the_house(light, leaves_by_no_click):

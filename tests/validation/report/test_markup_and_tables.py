@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from validation.report.document import NOTHING, Column, Grid, Number, Safe, joined, number, table, tag, toleranced, worded
+from validation.report.document import NOTHING, Column, Grid, Number, Safe, Table, joined, number, table, tag, toleranced, worded
 
 
 @given(st.text())
@@ -31,5 +31,17 @@ def test_a_table_has_one_number_a_cell_its_unit_in_the_head_and_a_button_and_a_g
     assert "a &lt;b&gt;" in made
     assert '<button type="button" class="copy"' in made
     assert table("Nothing", [Column(head="what")], []) == ""
+    assert Column("mass", unit="kg").short == "mass [kg]"  # on a terminal, too
+    rows = [("a", None, ""), ("b", None, "")]
+    columns = [Column("x", lambda row: row[0], words=True), *(Column("y", lambda row, k=k: row[k], words=k == 2) for k in (1, 2))]
+    assert str(Table(columns=columns, rows=rows).html()).count("scope=") == 3  # a column in which nothing stands is left out
+    part = '<span class="kept">joint-compliance:</span><wbr><span class="kept">foot@floor-1</span>'
+    assert part.replace("foot@", 'foot@</span><wbr><span class="kept">') in table(
+        "Ids", [Column("x")], [["joint-compliance:foot@floor-1"]]
+    )
+    assert "<strong>structure</strong>" in Grid(header=("", "from"), lines=(("structure", ""), ("  mass", "1 g"))).html()
+    digests = [["file", tag("code", 64 * "0")]] * 9
+    assert 'class="table whole"' in table("Inputs", [Column("x", words=True)] * 2, digests)
+    assert 'class="table whole"' not in table("Words", [Column("x", words=True)] * 2, [["word", 400 * "a"]] * 3)
     made = Grid(header=("", "how"), lines=(("1", "  use `massline check`"),), words=True, caption="Words").html()
     assert "use <code>massline check</code>" in made

@@ -164,8 +164,8 @@ def before_and_after(before: Evaluation, after: Evaluation | None) -> Figure:
     for column, (panel, least) in enumerate(zip(chart.panels, (1e-9, 1.5), strict=True), start=1):
         most = max(value for one in panel.bars for value in one.values)
         figure.across(range=[0, 1.3 * max(most, least)], row=1, column=column)
-    figure.rule(x=1.0, dash="dash", width=1.5, row=1, column=2)
-    legend = interactive.legend_above(0.1) | {"traceorder": "normal"}
+    figure.rule(x=1.0, dash="dash", width=1, row=1, column=2)
+    legend = interactive.legend_above(0.17) | {"traceorder": "normal"}
     margin = {"t": interactive.TITLE_ROOM + interactive.LEGEND_ROOM + 26, "b": 40}
     return interactive.dressed(figure, chart.title, 350, False, legend=legend, margin=margin)
 
@@ -173,11 +173,15 @@ def before_and_after(before: Evaluation, after: Evaluation | None) -> Figure:
 MOST = 10
 """Causes that are drawn."""
 
+LEAST = 0.05
+"""[nats] below which evidence is printed as none. By definition."""
+
 
 def tried(found: Diagnosis) -> tuple[Cause, ...]:
-    """What is drawn: what was accepted, then what was tried, each once."""
-    every = {one.id: one for one in (*found.ranking, *found.accepted)}
-    return tuple(sorted(every.values(), key=lambda one: -one.evidence))[:MOST]
+    """What is drawn: what was accepted and what data speak for, each once, the best first."""
+    known = {one.id for one in found.accepted}
+    every = sorted({one.id: one for one in (*found.ranking, *found.accepted)}.values(), key=lambda one: -one.evidence)
+    return tuple(one for one in every if one.id in known or one.evidence >= LEAST)[:MOST]
 
 
 def standing_of(found: Diagnosis, one: Cause) -> str:

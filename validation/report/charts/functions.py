@@ -316,7 +316,7 @@ class ShownPair:
         paired = {one.model: one.model_hz for one in of.pairs}
         hertz = [paired.get(k, known[k - 1].frequency if 0 < k <= len(known) else np.nan) for k in of.modes]
         rows = [escaped(_named(one)) for one in of.pairs]
-        columns = [f"{number}: {f:.4g} Hz" for number, f in zip(of.modes, hertz, strict=True)]
+        columns = [f"{number}<br>{f:.4g}" for number, f in zip(of.modes, hertz, strict=True)]
         custom = np.stack([of.mac, np.tile(hertz, (m, 1)), *np.meshgrid(np.arange(m), np.arange(q), indexing="ij")], axis=2)
         heat: Values = {
             "type": "heatmap",
@@ -330,7 +330,7 @@ class ShownPair:
             "xgap": 1,
             "ygap": 1,
             "meta": "MAC",
-            "hovertemplate": "%{y}<br>model %{x}: MAC %{z:.3f}<extra></extra>",
+            "hovertemplate": "%{y}<br>model %{customdata[1]:.4g} Hz: MAC %{z:.3f}<extra></extra>",
             "colorbar": {"title": {"text": "MAC"}, "thickness": 12, "len": 1.0},
         }
         if q <= WRITTEN:
@@ -342,11 +342,13 @@ class ShownPair:
             line = {"color": spec.COLOURS["limit" if chosen else spec.FURTHER][1], **look}
             box = {"x0": j - 0.5, "x1": j + 0.5, "y0": i - 0.5, "y1": i + 0.5}
             figure.layout.setdefault("shapes", []).append({"type": "rect", "line": line, **box})
-        figure.across(title={"text": "mode of the model"}, type="category", showgrid=False)
+        figure.across(title={"text": "mode of the model [Hz]"}, type="category", showgrid=False)
         upside: Values = {"range": [m - 0.5, -0.5], "type": "category", "categoryarray": rows, "automargin": True}
         figure.up(showgrid=False, **upside)
         made = small(figure, "MAC", dark)
-        made.update(margin={"r": 10}, modebar={"orientation": "h"})
+        if q <= WRITTEN:  # wide enough for two lines; else the browser turns what is too wide
+            made.across(tickangle=0, tickfont={"size": 10})
+        made.update(margin={"r": 10, "b": 54}, modebar={"orientation": "h"})
         return made
 
     def shapes(self, dark: bool = False) -> Figure:

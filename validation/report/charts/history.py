@@ -228,9 +228,9 @@ def intervals_of(bodies: Mapping[str, Body], title: str, note: str = "") -> Inte
 
 
 PANELS = {
-    "mass and moments about the CoG [%]": (0, 4, 5, 6),
+    "mass and moments [%]": (0, 4, 5, 6),
     "CoG [mm]": (1, 2, 3),
-    "products about the CoG [% of √(Θii Θjj)]": (7, 8, 9),
+    "products [% of √(Θii Θjj)]": (7, 8, 9),
 }
 """What shares a unit, by number in `QUANTITIES`."""
 

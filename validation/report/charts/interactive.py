@@ -418,8 +418,9 @@ def evidence(chart: spec.BarChart, dark: bool) -> Figure:
         "hoverinfo": "skip",
     }
     figure.add(asked, words)
-    margin = {"t": TITLE_ROOM + LEGEND_ROOM}
-    return dressed(figure, chart.title, 160 + 42 * len(rows), dark, legend=legend_above(), barmode="overlay", margin=margin)
+    further = 19 * max(0, ceil((len(panel.bars) + 1) / 2) - 1)  # [px] lines of a legend that has two names a line on paper
+    margin, height = {"t": TITLE_ROOM + LEGEND_ROOM + further}, 160 + further + 42 * len(rows)
+    return dressed(figure, chart.title, height, dark, legend=legend_above(), barmode="overlay", margin=margin)
 
 
 def levels(sigma: Array) -> Array:

@@ -188,7 +188,7 @@ def pairs_of(pairs: Pairs, modes: Sequence[NamedMode]) -> spec.HeatMap:
 def channel_map(of: Map, run_index: int | None = None, *, modes: Sequence[NamedMode] = (), dark: bool = False) -> Figure:
     """Channels and loads of one run over frequency; the worst of all runs where `run_index` is None."""
     one = channels_of(of, modes)[-1 if run_index is None else run_index]
-    return interactive.heat_map(replace(one, title=f"{of.data_set}, {one.title}: channels and loads"), dark)
+    return interactive.heat_map(replace(one, title=f"{of.data_set}, {one.title}: {of.shown}"), dark)
 
 
 def pair_map(pairs: Pairs, *, modes: Sequence[NamedMode] = (), dark: bool = False) -> Figure:
@@ -220,7 +220,7 @@ def draw_channels(of: Map, modes: Sequence[NamedMode], path: Path, note: str = "
         if k >= len(maps) - columns:
             axes.set_xlabel(one.along, fontsize=10)
     static.colour_bar(figure, mesh, (0.94, room["bottom"], 0.012, min(room["top"] - room["bottom"], 5.0 / height)))
-    static.finish(figure, f"{of.data_set}: channels and loads", note, path)
+    static.finish(figure, f"{of.data_set}: {of.shown}", note, path)
 
 
 def draw_pairs(of: Pairs, modes: Sequence[NamedMode], path: Path, note: str = "") -> None:

@@ -19,7 +19,7 @@ MEASURED, PREDICTED, FURTHER, ASIDE, LEFT_OUT = "measured", "predicted", "furthe
 QUOTIENT = "quotient of the driven axis"
 BEFORE, AFTER = "before", "with what was found"
 NOT_JUDGED = ""
-STANDINGS = ACCEPTED, ALIKE, LESS, TOO_MUCH_LEFT = "accepted", "cannot be told from it", "explains less", "leaves too much"
+STANDINGS = ACCEPTED, ALIKE, LESS, TOO_MUCH_LEFT = "accepted", "cannot be told from it", "adds too little", "leaves too much"
 """Where a cause stands."""
 
 COLOURS: Mapping[str, tuple[str, str]] = MappingProxyType(
