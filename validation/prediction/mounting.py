@@ -174,9 +174,7 @@ class MountedArticle:
         """What effects can act on."""
         if self.matrices is None:
             return There()
-        found = there(self.article, self.matrices)
-        again = {*self.sensors.values()}.difference(self.matrices.once)
-        return replace(found, places=tuple(name for name in found.places if name not in again))
+        return there(self.article, self.matrices)
 
 
 OF_SENSORS = "accelerometers on the article read its motion where they are said to sit; that what bends tilts them is left out"
