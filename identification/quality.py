@@ -35,9 +35,6 @@ AGREE = 1.5
 WRONG = 10.0
 """Chi² per degree of freedom from which the model does not hold: errors three times as large as anybody would have them."""
 
-GROUPS = {"mass": slice(0, 1), "cog": slice(1, 4), "moments": slice(4, 7), "products": slice(7, 10)}
-"""Where the quantities of one kind stand."""
-
 TO_ADD: Mapping[str, str] = {
     "noise": "drive at a higher level, or sweep more slowly",
     ELASTICITY: "begin the sweeps lower, go on beyond the next mode, or allow for more modes",
@@ -101,11 +98,6 @@ class Quality:
     def products(self) -> Array:
         """(3,) [kg m²] xy, xz, yz about the CoG, as matrix entries."""
         return self.values[7:]
-
-    @property
-    def interval95(self) -> dict[str, Array]:
-        """Low and high ends by "mass" (1, 2), "cog", "moments" and "products" (3, 2)."""
-        return {name: self.intervals[place] for name, place in GROUPS.items()}
 
 
 def quality(identified: Identified, frame: Pose | None = None) -> Quality:

@@ -208,8 +208,8 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         classes = [last[one.named.id].indistinguishable for one in named if one.named.id in last]
         parting = [advised(study, [each.candidate for each in one]) for one in classes if len(one) > 1]
         advice = (*(one for some in parting for one in some if one.gain > 0), *advice)
-    ended = found.fit.converged or not found.effects
-    told = [] if ended else ["the fit of what was found did not converge: its sizes are not the last word"]
+    told = ["the fit of what was found did not converge: its sizes are not the last word"]
+    told = told if found.effects and not found.fit.converged else []
     told += search.left_of_reduction(study, found)
     for moved in tolerances(found.fit)[:1] if verdict == diagnosis.NOTHING else ():
         by_chance = max(found.fit.tolerances * erfc(abs(moved.z) / sqrt(2)), RAREST)

@@ -66,7 +66,7 @@ SURVEYED = 128
 afar. Exercised by tests/validation/diagnosing/test_everywhere.py."""
 
 KEPT = 5e8
-"""[B] that is kept of what coordinates answer to places, three complex numbers a coordinate, line and place. Held by
+"""[count] of bytes kept of what coordinates answer to places, three complex numbers a coordinate, line and place. Held by
 tests/validation/diagnosing/test_everywhere.py."""
 
 PRODUCTS = 1e10

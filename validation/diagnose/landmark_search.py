@@ -533,11 +533,8 @@ def _diverse(found: Sequence[Added], most: int) -> list[Added]:
 
 def line_fit(data: Study, effects: Sequence[Added], *, roughly: bool = False) -> Fit | None:
     """The fit of all lines of the response functions of `data` with `effects`, from the sizes at which they stand, over the floor
-    of what is still far; None where there are no lines, or none is found.
-
-    Parameters
-    ----------
-    roughly : whether every third line will do, and one beginning: explanations differ by a share of what they cost
+    of what is still far; None where there are no lines, or none is found. `roughly`, every third line and one beginning, will do
+    to tell explanations apart: they differ by a share of what they cost.
     """
     problem = data.problem(effects)
     if not all(has_lines(one) for one in problem.predictions):
