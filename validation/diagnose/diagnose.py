@@ -211,6 +211,7 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
     told = ["the fit of what was found did not converge: its sizes are not the last word"]
     told = told if found.effects and not found.fit.converged else []
     told += search.left_of_reduction(study, found)
+    admits = study.model.tolerance_class != METROLOGY
     for moved in tolerances(found.fit)[:1] if verdict == diagnosis.NOTHING else ():
         by_chance = max(found.fit.tolerances * erfc(abs(moved.z) / sqrt(2)), RAREST)
         if by_chance < CHANCE:
@@ -231,7 +232,7 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         detectable=candidates.detectable(steps[-1].screened),
         before=before,
         after=after,
-        known_better=diagnosis.KnownBetter.of(found.fit) if study.model.tolerance_class != METROLOGY else (),
+        known_better=diagnosis.KnownBetter.of(found.fit) if found.fit.converged and admits else (),
         steps=tuple(
             diagnosis.ReportedStep(
                 added=one.added,
@@ -421,7 +422,7 @@ def text_of_unknown(found: diagnosis.Candidate, best: SearchStep, left: Explanat
     """Why no name will do for an unknown effect."""
     why = goodness_of_fit(found.fit, found.problem).text or f"{left.gain:.0f} nats are left that have no name"
     if not found.effects and not found.fit.converged:
-        why = f"{found.fit.unfinished}, and no single effect of the structure makes it converge. Where it stopped {why}"
+        why = f"{found.fit.unfinished}, and no effect that was looked for explains why. Where it stopped {why}"
     if found.effects:
         return f"With {' and '.join(one.named.id for one in found.effects)}, which comes closest, {why}"
     if not best.tried:

@@ -310,8 +310,8 @@ class MeshSearch:
         found: dict[str, list[Array]] = {kind: [] for kind in (MASS, *SPRINGS)}
         for of in {id(one.structure): _known(one) for _, one in self.tests}.values():
             square = where(of)[:, :, of.nominal.base + np.arange(len(of.frequency))] ** 2
-            at = np.max(square / (2 * np.pi * of.frequency) ** 2, axis=-1)
-            for kind, by in zip(found, (square.sum(axis=1).max(axis=-1), *at.T), strict=True):
+            at = np.max(square / (2 * np.pi * of.frequency) ** 2, axis=-1, initial=0.0)  # no mode may lie below twice the band
+            for kind, by in zip(found, (square.sum(axis=1).max(axis=-1, initial=0.0), *at.T), strict=True):
                 (size,) = FAMILIES[kind.partition(":")[0]].sizes
                 found[kind].append(np.where(by > 0, UNSEEN / np.maximum(by, UNSEEN / size.high), size.plausible))
         return {kind: np.min(each, axis=0) for kind, each in found.items()}
@@ -553,7 +553,10 @@ def without_a_name(
                 break
             about = MeshSearch.in_place_of(ready, there, base.fit.cost - there.fit.cost)
             search = next(each for each in about if each.structure.configuration == one.article)
-            node, _, size = search.nearby(kind, np.array(place), fitted.value)
+            try:
+                node, _, size = search.nearby(kind, np.array(place), fitted.value)
+            except BREAKDOWNS:  # where tolerances stand with it none of it is left without
+                break
             moved = at_position(search.points[node])
             if moved == here.target:
                 break

@@ -96,7 +96,8 @@ def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: 
             tried.append(candidate_fit(at, recentred(ready, Candidate(effects=effects, fit=whole, problem=problem))))
     tried, here = ranked(tried), goodness_of_fit(at.fit, at.problem)
     best = tried[0].id if tried and is_accepted(tried[0]) else ""
-    return SearchStep(at=at, goodness=here, screened=screen(data, at, menu), tried=tuple(tried), added=best)
+    screened = screen(data, at, menu) if best else ()  # from where no fit ended any parameter would look decisive
+    return SearchStep(at=at, goodness=here, screened=screened, tried=tuple(tried), added=best)
 
 
 def _nearest_by_lines(
@@ -176,7 +177,7 @@ class SearchStep:
                 gone = ", ".join(self.left_band)
                 return f"a fit drives {gone} out of the band of the data, and no other kind of effect is worth a fit"
             if not self.screened:
-                return "there is no candidate"
+                return "there is no candidate" if self.at.fit.converged else "no candidate makes the fit converge"
             best = self.screened[0]
             promised, asked = max(best.evidence, 0.0), evidence_threshold(best.added.named.family)
             return f"no candidate is worth a fit: {best.id} promises most, {nats(promised)} nats, where {asked:g} are asked for"

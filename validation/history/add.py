@@ -532,7 +532,8 @@ def grounded(
     """`at` on a rung that stands on the data of a `study`, evaluated and kept at once where there was none, and what is to be
     said; `ended` as in `judged`."""
     conditions = conditions_of(study)
-    if at.rung is not None and at.rung.stands_on(conditions):
+    errors = None if at.rung is None or not at.rung.stands_on(conditions) else at.rung.errors
+    if errors is not None and (errors.converged or not ended):
         return at, ()
     if at.rung is None or at.rung.errors is None:
         rung, said = (

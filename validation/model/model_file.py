@@ -585,10 +585,7 @@ def with_effect(text: str, added: Added, source: str = SOURCE) -> str:
     ------
     BadInput : `text` is no model file, or its effects do not stand as [[effect]].
     """
-    if source.lower().endswith(".json"):
-        problem = "it is JSON, which is read but not edited: it has no comments to keep"
-        raise BadInput(source=source, problem=problem, remedy=f"massline model {source} --out FILE.toml writes it as TOML")
-    before = of_text(text, source)
+    before = _read(text, source)
     ids = [one.named.id for one in before.effects]
     if added.named.id not in ids:
         return _verified(text, [f"{text.rstrip()}\n\n{effect_text(added)}\n"], [*before.effects, added], source)
@@ -605,6 +602,35 @@ def with_effect(text: str, added: Added, source: str = SOURCE) -> str:
     anew = "".join(f"{line}\n" for line in effect_text(added).splitlines()[2:])
     edits = [f"{above}{header}{body}{behind}" for body in (tomlkit.dumps(table), anew)]
     return _verified(text, edits, [*before.effects[:place], added, *before.effects[place + 1 :]], source)
+
+
+def without_effect(text: str, id: str, source: str = SOURCE) -> str:
+    """`text` of the file `source` without the effect `id`.
+
+    Raises
+    ------
+    BadInput : `text` is no model file, has no such effect, or its effects do not stand as [[effect]].
+    """
+    before = _read(text, source)
+    ids = [one.named.id for one in before.effects]
+    if id not in ids:
+        known = f"it has {', '.join(ids)}" if ids else "it has none"
+        raise BadInput(source=source, field=id, problem="the model has no such effect", remedy=f"{nearest(id, ids)}{known}")
+    place = ids.index(id)
+    above, _, _, behind = _parted(text, place, source)
+    lines = above.splitlines(keepends=True)
+    while lines and lines[-1].lstrip().startswith("#"):
+        lines.pop()
+    if lines and not lines[-1].strip():  # one empty line between what stays is enough
+        lines.pop()
+    return _verified(text, ["".join(lines) + behind], [*before.effects[:place], *before.effects[place + 1 :]], source)
+
+
+def _read(text: str, source: str) -> Model:
+    if source.lower().endswith(".json"):
+        problem = "it is JSON, which is read but not edited: it has no comments to keep"
+        raise BadInput(source=source, problem=problem, remedy=f"massline model {source} --out FILE.toml writes it as TOML")
+    return of_text(text, source)
 
 
 def _parted(text: str, place: int, source: str) -> tuple[str, str, str, str]:

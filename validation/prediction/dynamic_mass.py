@@ -130,7 +130,7 @@ def far_coordinates(matrices: Matrices, at: npt.NDArray[Any]) -> tuple[Integers,
     D = dynamic_matrix(matrices, np.append(nodes, at[last]), far)
     solved = -np.linalg.solve(D[:, :, far], D[:, :, np.delete(np.arange(k), far)])
     found = (share @ solved[:-1].reshape(NODES, -1).view(np.float64)).view(np.complex128).reshape(len(at), *solved.shape[1:])
-    return (far, found) if np.abs(found[last] - solved[-1]).max(initial=0.0) <= AGREES * np.abs(solved).max() else none
+    return (far, found) if np.abs(found[last] - solved[-1]).max(initial=0.0) <= AGREES * np.abs(solved).max(initial=0.0) else none
 
 
 def _chebyshev(at: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], Array]:

@@ -635,7 +635,7 @@ def diagnosis_answer(asked: Options, *, auto: bool, as_json: bool, folder: Path 
     Raises
     ------
     BadInput : something that was asked cannot be used.
-    CheckFailed : a baseline that does not converge.
+    CheckFailed : a model that breaks down.
     OSError : with `auto`, the model file cannot be written.
     """
     if files := only_files(asked.data):
@@ -686,7 +686,7 @@ def diagnosis(asked: Options, bench: Study, progress: Progress | None = None) ->
 
     Raises
     ------
-    CheckFailed : a baseline that does not converge.
+    CheckFailed : a model that breaks down.
     """
     return diagnose.diagnosed_once(bench, only=asked.candidates, leave_out=asked.leave_out, progress=progress)
 

@@ -216,7 +216,7 @@ def test_beside_a_class_only_the_mistake_becomes_a_rung(made):
 def test_an_unknown_effect_is_told_with_what_its_own_fit_leaves(monkeypatch):
     monkeypatch.setattr(diagnosing, "goodness_of_fit", lambda fit, problem: SimpleNamespace(text="chi² is 9"))
     left: Any = SimpleNamespace(gain=50.0)
-    bare: Any = SimpleNamespace(effects=(), fit=None, problem=None)
+    bare: Any = SimpleNamespace(effects=(), fit=SimpleNamespace(converged=True), problem=None)
 
     def best(text):
         return SimpleNamespace(tried=(SimpleNamespace(id="gap:1", evidence=3.0, goodness=SimpleNamespace(text=text)),))

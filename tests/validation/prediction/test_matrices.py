@@ -412,3 +412,12 @@ def test_what_neither_stands_nor_floats_is_not_condensed(turned):
     m, rows = turned
     m = replace(m, stiffness=m.stiffness - 1.1 * np.diag(np.diag(m.stiffness + (2 * np.pi * LINES.max()) ** 2 * m.mass)))
     assert dynamic_mass.Condensed.of(m, 2 * np.pi * LINES, rows.T) is None
+
+
+def test_a_band_below_half_of_all_modes_leaves_no_coordinate_that_is_solved_at_every_line():
+    """A traceback: no coordinate of a base is left beside those far above."""
+    omega, at = 2 * np.pi * np.array([100.0, 150.0, 200.0, 300.0]), 2 * np.pi * np.linspace(5.0, 40.0, 60)
+    m = Matrices(base=0, mass=np.eye(4), stiffness=np.diag(omega**2), viscous=np.diag(0.02 * omega), structural=np.zeros((4, 4)))
+    row = np.arange(12.0).reshape(3, 4) - 5.0
+    due = np.linalg.solve(dynamic_mass.dynamic_matrix(m, at), np.broadcast_to(row.T.astype(complex), (60, 4, 3)))
+    np.testing.assert_allclose(dynamic_mass.answering(m, at)(row), due, rtol=0, atol=1e-10 * np.abs(due).max())
