@@ -319,10 +319,11 @@ def test_a_rival_that_keeps_less_than_half_of_the_best_is_fitted_from_where_that
     assert [(one.id, one.evidence) for one in step.tried] == [(best.id, 100.0), (rival.named.id, kept)]
 
 
-def a_round(found: Sequence[Screened], left_band: tuple[str, ...] = ()) -> search.SearchStep:
+def a_round(found: Sequence[Screened], left_band: tuple[str, ...] = (), *, converged: bool = True) -> search.SearchStep:
     """In which no fit is left."""
     nobody: Any = None
-    return search.SearchStep(at=nobody, goodness=nobody, screened=tuple(found), tried=(), added="", left_band=left_band)
+    at: Any = SimpleNamespace(fit=SimpleNamespace(converged=converged))
+    return search.SearchStep(at=at, goodness=nobody, screened=tuple(found), tried=(), added="", left_band=left_band)
 
 
 def test_a_round_without_a_fit_says_why():
@@ -330,6 +331,7 @@ def test_a_round_without_a_fit_says_why():
         "no candidate is worth a fit: cable:mast-top:lateral promises most, +2.2 nats, where 8 are asked for"
     )
     assert a_round([]).text == "there is no candidate"
+    assert a_round([], converged=False).text == "no candidate makes the fit converge"
     assert a_round(screened("slosh:mast-top=m:1,f:4,zeta:0.01"), left_band=("slosh:mast-top",)).text == (
         "a fit drives slosh:mast-top out of the band of the data, and no other kind of effect is worth a fit"
     )
