@@ -261,11 +261,10 @@ class Session:
         at = history_position(self.model)
         if at.rung is not None and at.rung.stands_on(add.conditions_of(study)):
             return at.rung
-        tell = lambda what, share: progress(what.removeprefix("the model before: "), share)  # noqa: E731
-        found = add.grounded(at, study, tell, ended=False)[0].rung
-        if found is None:
+        at, _ = add.grounded(at, study, lambda what, share: progress(what.removeprefix("the model before: "), share), ended=False)
+        if at.rung is None:
             raise RuntimeError("a rung that was kept must be the one on which the model stands")
-        return found
+        return at.rung
 
     def compare(self, progress: Progress | None = None) -> Compared:
         """The model held against its data, and kept; on a rung of the ladder without fitting anything anew.
@@ -275,7 +274,7 @@ class Session:
         Raises
         ------
         BadInput : model or data that cannot be used.
-        CheckFailed : a fit that does not converge.
+        CheckFailed : a model that breaks down.
         OSError : a file cannot be read or written.
         """
         tell = progress or (lambda what, share: None)
@@ -347,7 +346,7 @@ class Session:
         Raises
         ------
         BadInput : model or data that cannot be used, a candidate that could not act on them.
-        CheckFailed : the model with all its tolerances does not converge.
+        CheckFailed : a model that breaks down.
         OSError : a file cannot be read or written.
         """
         folder, tell = self.found, progress or (lambda what, share: None)
@@ -484,7 +483,7 @@ class Session:
         Raises
         ------
         BadInput : nothing can be written there; model or data that cannot be used.
-        CheckFailed : nothing can be rendered on this machine; a fit that does not converge.
+        CheckFailed : nothing can be rendered on this machine; a model that breaks down.
         OSError : a file cannot be written.
         """
         from validation.report.charts import history as ladder_chart
@@ -510,7 +509,7 @@ class Session:
         Raises
         ------
         BadInput : nothing can be written there; model or data that cannot be used.
-        CheckFailed : a fit that does not converge.
+        CheckFailed : a model that breaks down.
         OSError : a file cannot be written.
         """
         tell, path = progress or (lambda what, share: None), Path(to)

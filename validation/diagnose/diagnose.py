@@ -208,10 +208,10 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         classes = [last[one.named.id].indistinguishable for one in named if one.named.id in last]
         parting = [advised(study, [each.candidate for each in one]) for one in classes if len(one) > 1]
         advice = (*(one for some in parting for one in some if one.gain > 0), *advice)
-    told = ["the fit of what was found did not converge: its sizes are not the last word"]
-    told = told if found.effects and not found.fit.converged else []
+    unsure = "the fit of what was found did not converge: its sizes are not the last word"
+    told = [unsure] if found.effects and not found.fit.converged else []
     told += search.left_of_reduction(study, found)
-    admits = study.model.tolerance_class != METROLOGY
+    known_better = found.fit.converged and study.model.tolerance_class != METROLOGY
     for moved in tolerances(found.fit)[:1] if verdict == diagnosis.NOTHING else ():
         by_chance = max(found.fit.tolerances * erfc(abs(moved.z) / sqrt(2)), RAREST)
         if by_chance < CHANCE:
@@ -232,7 +232,7 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         detectable=candidates.detectable(steps[-1].screened),
         before=before,
         after=after,
-        known_better=diagnosis.KnownBetter.of(found.fit) if found.fit.converged and admits else (),
+        known_better=diagnosis.KnownBetter.of(found.fit) if known_better else (),
         steps=tuple(
             diagnosis.ReportedStep(
                 added=one.added,

@@ -203,7 +203,7 @@ class MeshSearch:
     @classmethod
     def in_place_of(cls, data: Study, there: Candidate, brought: float) -> Iterator["MeshSearch"]:
         """Of the newest effect of `there`, which `brought` that [nats]: tolerances follow a node in its place from where they
-        stand with it, as far as they can with it."""
+        stand with it, as far as they can with it. None of a structure of which nothing is left there without it."""
         *others, newest = there.effects
         problem = data.problem((*others, replace(newest, fixed=True)))
         free = tuple(problem.by_name[one.name] for one in there.fit.parameters if one.name in problem.by_name)
@@ -211,7 +211,10 @@ class MeshSearch:
         without = {one.measured.name: one for one in data.problem(tuple(others)).predictions}
         for search in cls.of(Candidate(effects=(*others, replace(newest, fixed=True)), fit=fitted, problem=problem)):
             tests = [(left, without[one.measured.name]) for left, one in search.tests]
-            yield replace(search, tests=tuple((left, one) for left, one in tests if isinstance(one, OnNodes)), brought=brought)
+            here = replace(search, tests=tuple((left, one) for left, one in tests if isinstance(one, OnNodes)), brought=brought)
+            with suppress(*BREAKDOWNS):
+                if here.finite:
+                    yield here
 
     def at(self, nodes: slice | Integers) -> Where:
         """Some of its nodes."""
@@ -525,8 +528,8 @@ def without_a_name(
     declared = [one for one in found_nodes(at_home, far=True)[1] if wanted(one.named) and _is_worth(one)]
     # A resonator far above the band is a mass, and takes a fit of three sizes: it comes last, where it promises more than those
     both = [each for some in (seen, declared) for each in [one for one in some if one.kind != RESONATOR][:FEW]]
-    starts = [(one, named) for one in both for named in (one.named, one.straight) if named is not None]
-    for one, here in (*starts, *((each, each.named) for each in seen if each.kind == RESONATOR)):
+    both += [each for each in seen if each.kind == RESONATOR]
+    for one, here in [(each, named) for each in both for named in (each.named, each.straight) if named is not None]:
         kind, most = one.kind, -np.inf
         if kind == RESONATOR and any(one.evidence < each.evidence + INDISTINGUISHABLE_NATS for each in found.values()):
             continue
@@ -552,25 +555,23 @@ def without_a_name(
             if kind == RESONATOR or not fitted.value or there.fit.cost > enough:
                 break
             about = MeshSearch.in_place_of(ready, there, base.fit.cost - there.fit.cost)
-            search = next(each for each in about if each.structure.configuration == one.article)
-            try:
-                node, _, size = search.nearby(kind, np.array(place), fitted.value)
-            except BREAKDOWNS:  # where tolerances stand with it none of it is left without
+            search = next((each for each in about if each.structure.configuration == one.article), None)
+            if search is None:
                 break
+            node, _, size = search.nearby(kind, np.array(place), fitted.value)
             moved = at_position(search.points[node])
             if moved == here.target:
                 break
             here = replace(here, targets=(moved, *here.targets[1:]), values={"": size})
+    on = [one for one in base.problem.predictions if isinstance(one, OnNodes)]
+    structures = {_known(one).configuration: whole.structure for one in on if (whole := nodes_of(one))}
     for kind, one in found.items():
+        nearest, distance = nearest_place(structures[one.article], np.array(one.position))  # it may have moved
+        found[kind] = replace(one, nearest=nearest, distance=distance)
         if one.named_place and not _is_worth(one):  # a place with a name was promised as much, and is fitted as the node was
             named = replace(one.named, targets=(one.named_place, *one.named.targets[1:]))
             there = fit_in_place(data, stood[kind], base, Added(named=named))
-            found[kind] = replace(one, named_evidence=there.fit.log_evidence - base.fit.log_evidence)
-    on = [one for one in base.problem.predictions if isinstance(one, OnNodes)]
-    structures = {_known(one).configuration: whole.structure for one in on if (whole := nodes_of(one))}
-    for kind, one in found.items():  # which moved from where it was asked first
-        nearest, distance = nearest_place(structures[one.article], np.array(one.position))
-        found[kind] = replace(one, nearest=nearest, distance=distance)
+            found[kind] = replace(found[kind], named_evidence=there.fit.log_evidence - base.fit.log_evidence)
     return tuple(sorted((one for one in found.values() if _is_worth(one)), key=lambda one: -one.evidence))
 
 

@@ -216,9 +216,8 @@ class MadeUp:
             grown = 1 + self.parts @ lost
             left, slope = asked - np.log(grown), self.parts / grown[:, None]
             step = np.linalg.solve(np.diag(self.known) + slope.T @ Q @ slope, slope.T @ Q @ left - self.known * lost)
-            lost = lost + step / max(
-                1.0, 2 * float(np.max(-slope @ step, initial=0.0))
-            )  # no mode loses less than half of that before
+            gone = float(np.max(-slope @ step, initial=0.0))
+            lost = lost + step / max(1.0, 2 * gone)  # no mode loses less than half of that before
         left = asked - np.log1p(self.parts @ lost)
         return replace(self.told, information=float(self.known @ lost**2 + left @ Q @ left) / offset**2)
 

@@ -36,8 +36,7 @@ from validation.report import document as doc
 from validation.report import history, parts
 from validation.report.charts import crosscheck
 from validation.report.charts.crosscheck import standing_of, tried
-from validation.report.compare import correlation_tables, draw_channels
-from validation.report.compare import document as document_of_comparison
+from validation.report.compare import ComparisonPage, correlation_tables, draw_channels
 from validation.report.document import NOTHING as EMPTY
 from validation.report.history import climb, of_ladder
 from validation.report.scenes.motion import NOTE, draw_nodes
@@ -744,7 +743,7 @@ def html(report: parts.Report, figures: doc.Figures) -> doc.Safe:
     if found is None:
         told = parts.paragraphs([f"It was not looked for: {report.not_diagnosed or 'nobody asked'}."])
         return parts.section("missing", "What is missing", told)
-    above = document_of_comparison(report.comparison).notes  # which the page has
+    above = [*ComparisonPage(found=report.comparison).notes()]  # which the page has
     said = document(replace(found, correlation=()))
     first, *others = said.opening
     return parts.section(

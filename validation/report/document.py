@@ -330,9 +330,8 @@ def table(caption: str, columns: Sequence[Column], rows: Sequence[Sequence[Cell]
                 continue
             length = "" if isinstance(cell, Safe) or len(cell) > SHORT else " short" if len(cell) > TINY else " short tiny"
             said = cell
-            if (
-                ":" in cell and "-" in cell and " " not in cell and not isinstance(cell, Safe)
-            ):  # an id may break between its parts
+            is_id = ":" in cell and "-" in cell and " " not in cell and not isinstance(cell, Safe)
+            if is_id:  # which may break between its parts
                 said = joined(*(joined(tag("span", part, class_="kept"), tag("wbr")) for part in JOINTS.findall(cell)))
             cells.append(tag(name, worded(said), class_=f"words{length}" if column.words else None, scope=scope))
         lines.append(tag("tr", *cells))

@@ -504,7 +504,7 @@ def climb(
     Raises
     ------
     BadInput : a rung cannot be made, see `validation.history.add.added`.
-    CheckFailed : a baseline does not converge.
+    CheckFailed : a model that breaks down.
     OSError : the ladder or the model file cannot be written.
     """
     rounds, rungs = [], []

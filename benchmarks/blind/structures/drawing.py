@@ -59,8 +59,8 @@ class StructureCase:
     shape : of `benchmarks.blind.structures.shapes.KINDS`
     structure : seed of it and of its sensors
     test : of `TESTS`
-    wanted : of every fault its family, which of them it is, its sign, and its size over the limit
-    before : the same of what the single faults of the structure before this one have, none of which it may have again
+    wanted : its faults
+    before : those of the single faults of the structure before this one, none of which it may have again
     """
 
     name: str
