@@ -3,7 +3,7 @@
 The structure is that of the model file with its effects added to the matrices themselves; nothing is reduced. With its modes
 Phi, all of them or the lowest with answers to the forces beside them, and what these leave static at a shift,
 
-    A(omega) = -omega² (Psi (lambda - omega²)⁻¹ Psi^T + R) ,      (Lambda + i S) psi = lambda psi ,      Psi = Phi psi ,
+    A(omega) = -omega² (Phi psi (lambda - omega²)⁻¹ psi⁻¹ Phi^T + R) ,      (Lambda + i S) psi = lambda psi ,
 
 whatever its losses S (A. D. Nashif et al., Vibration Damping, 1985, chapter 2). Records are made of these by Fourier transforms
 long enough for all to ring down, and then cut to what a recorder would have kept. No code is shared with what predicts tests.
@@ -201,23 +201,27 @@ class TestedStructure:
         return 1 / shares[moving] + shift, whole, shift, solver
 
     @cached_property
-    def lossy(self) -> tuple[ComplexArray, ComplexArray]:
-        """lambda (m,) and psi on the modes (m, m)."""
+    def lossy(self) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+        """lambda (m,), and on the modes their psi (m, m), a column each, and what these are dual to, a row each."""
         return self.lossy_on(*self.modes[:2])
 
-    def lossy_on(self, squares: Array, shapes: Array) -> tuple[ComplexArray, ComplexArray]:
-        """The same on modes of these squares (m,) and shapes (n, m)."""
+    def lossy_on(self, squares: Array, shapes: Array) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+        """The same on modes of these squares (m,) and shapes (n, m).
+
+        psi psi^T is no unit matrix where two have one frequency, as the rigid motions of what floats and the pairs of what is
+        round: of those no solver says which are orthogonal.
+        """
         shares = (eta * shapes.T @ (self.structure.part_stiffness[part] @ shapes) for part, eta in self.losses.items())
         S = sum(shares, np.zeros((len(squares), len(squares))))
         values, vectors = np.linalg.eig(np.diag(squares) + 1j * S)
-        return values, vectors / np.sqrt(np.sum(vectors**2, axis=0))
+        return values, vectors, np.linalg.inv(vectors)
 
     def accelerance(self, frequency: Array, rows: Sequence[Sparse], forces: Sequence[Sparse]) -> ComplexArray:
         """(n, c, r) [m/s² per N] along `rows` for forces along `forces`, (n,) each."""
         whole = len(self.structure.free) <= WHOLE
         squares, shapes, shift, solver = self.modes if whole else self.answering(np.array([*rows, *forces]).T)
-        values, turned = self.lossy if whole else self.lossy_on(squares, shapes)
-        left, right = (np.array([row @ shapes for row in of]) @ turned for of in (rows, forces))
+        values, turned, dual = self.lossy if whole else self.lossy_on(squares, shapes)
+        left, right = (np.array([row @ shapes for row in of]) @ by for of, by in ((rows, turned), (forces, dual.T)))
         omega = 2 * np.pi * np.maximum(frequency, 1e-6)[:, None]
         omega2 = omega[:, 0] ** 2
         viscous = 2j * self.ratio * np.sqrt(np.maximum(values.real, 0.0)) * omega
@@ -231,7 +235,7 @@ class TestedStructure:
     def table(self, rows: Sequence[Sparse], low: float, high: float) -> tuple[Array, Array, Array]:
         """Frequencies (m,) [Hz] from `low` to `high`, ascending, damping ratios (m,), and shapes (m, c) along `rows`,
         of the modes that move one of them."""
-        values, turned = self.lossy
+        values, turned, _ = self.lossy
         hertz, eta = np.sqrt(np.maximum(values.real, 0)) / (2 * np.pi), values.imag / np.maximum(values.real, 1e-30)
         inside = [int(k) for k in np.argsort(hertz) if low <= hertz[k] <= high]
         shapes = ((np.array(rows) @ self.modes[1]) @ turned[:, inside]).real.T
