@@ -87,7 +87,7 @@ def draw(seed: int, kinds: Sequence[str], structures: int) -> tuple[StructureCas
             laboratory=int(generator.integers(1, 2**31)),
             shape=shape,
             structure=int(generator.integers(1, 2**31)),
-            test=TABLE if shape == shapes.PLATE else TESTS[(number // len(shapes.KINDS)) % 2],
+            test=TESTS[(number // len(shapes.KINDS)) % 2],
             null=f"{name}-null",
         )
         found += [one for one in _of(of, name, number, generator) if one.kind in kinds]

@@ -164,8 +164,7 @@ def _handed_over(
     rows = [tested.places[one[:-2]].toarray()["xyz".index(one[-1])] for one in sensors]
     gains = 1 + GAIN * generator.standard_normal(len(sensors))
     if case.test == FUNCTIONS:
-        meshed = case.shape not in (shapes.FRAME, shapes.TRUSS)
-        made = _functions(lab, rows, sensors, gains, band, generator, first=DRIVES if meshed else 0)
+        made = _functions(lab, rows, sensors, gains, band, generator)
     else:
         made = _table(lab, rows, sensors, gains, band, generator)
     made.fill(to)
@@ -243,14 +242,10 @@ def _functions(
     gains: Array,
     band: Band,
     generator: np.random.Generator,
-    *,
-    first: int,
 ) -> StructureTest:
-    """Accelerances of the sensors from the `first` on for a force at each of `DRIVES`: a force on a point of a solid, or along a
-    sheet, moves that point the more the finer the mesh."""
+    """Accelerances of the sensors for a force at each of `DRIVES`."""
     f, drives = np.linspace(*band, LINES), sensors[:DRIVES]
-    A = lab.accelerance(f, rows[first:], rows[:DRIVES]) * gains[first:, None]
-    sensors = sensors[first:]
+    A = lab.accelerance(f, rows, rows[:DRIVES]) * gains[:, None]
     noise = generator.standard_normal((*A.shape, 2)) @ np.array([1, 1j]) / np.sqrt(2)
     floor = 0.2 * np.sqrt(np.mean(np.abs(A) ** 2, axis=(0, 1), keepdims=True))  # a sensor is as noisy where next to nothing moves
     A = A + NOISE * noise * np.hypot(np.abs(A), floor)
