@@ -12,6 +12,7 @@ from benchmarks.blind.names import Json
 from benchmarks.blind.score.outcome import NOTHING, UNKNOWN, Outcome, outcome
 from benchmarks.blind.score.rates import Rate, rate
 from benchmarks.blind.score.rows import LEFT_OUT, NULL, PAIR, SINGLE, Row
+from benchmarks.blind.structures.drawing import OF_SENSORS
 from validation.effects.effect import position
 
 NEAR = 0.5
@@ -83,15 +84,17 @@ def _renamed(answer: Json, names: Mapping[str, str]) -> Json:
 
 def rows(found: Sequence[StructureOutcome]) -> list[Row]:
     """The table of bars."""
-    nulls, singles, pairs, unknown = ([one for one in found if one.of.kind == kind] for kind in (NULL, SINGLE, PAIR, LEFT_OUT))
-    sizes = [each for one in singles for each in one.of.sizes]
+    nulls, every, pairs, unknown = ([one for one in found if one.of.kind == kind] for kind in (NULL, SINGLE, PAIR, LEFT_OUT))
+    sensors = [one for one in every if set(one.of.families) <= set(OF_SENSORS)]
+    singles = [one for one in every if one not in sensors]
+    sizes = [each for one in every for each in one.of.sizes]
     aways = [one.away for one in singles if one.away is not None]
     error = median(each.error for each in sizes) if sizes else None
     distance = median(aways) if aways else None
     covered = rate(each.inside for each in sizes)
     return [
-        _share("single faults: first, or in the class of at most 3", (one.right for one in singles), "at least 90 %", 0.9),
-        _share("single faults: named wrongly", (one.wrong for one in singles), "at most 2 %", -0.02),
+        _share("of a structure: first, or in the class of at most 3", (one.right for one in singles), "at least 90 %", 0.9),
+        _share("single faults: named wrongly", (one.wrong for one in every), "at most 2 %", -0.02),
         Row(
             what="place found without a name: distance over that of sensors, median",
             figure="none yet" if distance is None else f"{distance:.2f} of {len(aways)}",
@@ -113,6 +116,7 @@ def rows(found: Sequence[StructureOutcome]) -> list[Row]:
         ),
         _share("pairs: both", (one.of.every for one in pairs), "at least 80 %", 0.8),
         _share("left out of the catalogue: unknown", (one.of.verdict == UNKNOWN for one in unknown), "at least 90 %", 0.9),
+        _share("of an accelerometer: first", (one.of.first for one in sensors), "at least 90 %", 0.9),
         _share("refused or broken", (not one.of.answered for one in found), "none", -0.0),
     ]
 

@@ -18,7 +18,7 @@ from validation.effects.effect import at_position
 from validation.virtual_test.layout import stream
 
 STRUCTURES = 30
-"""[count] of a draw: 30 nulls, 90 single faults, 15 pairs and 15 that have no name."""
+"""[count] of a draw: 30 nulls, 90 single faults of the structure and 30 of a sensor, 15 pairs and 15 that have no name."""
 
 MULTIPLES = (5.0, 15.0, 2.0)
 """Sizes over the detection limit, in the order in which they are drawn."""
@@ -27,8 +27,10 @@ ATTACHED = ("point-mass", "cable", "absorber", "slosh", "rigid-inertia")
 """Families that a diagnosis does without of what is attached somewhere and has no name then."""
 
 FUNCTIONS, TABLE = TESTS = ("response-functions", "modal-table")
-"""In turn, but of plates tables alone: what their shells err by, tenths of a per cent of a frequency and some per cent of what is
-answered beside resonances, is all that functions with 0.4 % of noise would show."""
+"""In turn."""
+
+OF_SENSORS = ("accelerometer-gain", "accelerometer-misalignment", "accelerometer-position", "accelerometer-delay")
+"""Families of what one accelerometer may read wrongly; late it is in functions alone."""
 
 LARGEST: Mapping[str, float] = MappingProxyType(
     {
@@ -40,6 +42,10 @@ LARGEST: Mapping[str, float] = MappingProxyType(
         "structural-damping": 0.5,
         "point-mass": 1e3,
         "cable": 1e8,
+        "accelerometer-gain": 0.6,
+        "accelerometer-misalignment": 0.5,
+        "accelerometer-position": 0.05,
+        "accelerometer-delay": 1e-3,
     }
 )
 """By family, beyond which a fault is none of a laboratory: nobody overlooks it."""
@@ -118,6 +124,7 @@ def _of(null: StructureCase, name: str, number: int, generator: np.random.Genera
     else:
         family = everywhere[(number // 2) % 2]
         yield made("left-out", LEFT_OUT, one(family, 15.0), leave_out=ATTACHED)
+    yield made("sensor", SINGLE, one(str(generator.choice(OF_SENSORS[: None if null.test == FUNCTIONS else -1])), order[0]))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -138,11 +145,12 @@ class Fault:
 
 def planted(case: StructureCase, limits: Mapping[str, float]) -> tuple[Fault, ...]:
     """The faults of `case` at their sizes. For what the data would not tell below what is plausible stands a modulus, and where
-    they tell none of that, whatever they tell."""
+    they tell none of that, whatever they tell; of a sensor what they tell of sensors."""
     found: list[Fault | None] = []
     for family, which, sign, multiple in (*case.before, *case.wanted):
         taken = {one.id for one in found if one is not None}
-        each = (fault((one, which, sign, multiple), limits, taken) for one in dict.fromkeys((family, *LARGEST)))
+        alike = [one for one in LARGEST if (one in OF_SENSORS) == (family in OF_SENSORS)]
+        each = (fault((one, which, sign, multiple), limits, taken) for one in dict.fromkeys((family, *alike)))
         found.append(next((one for one in each if one is not None), None))
     return tuple(one for one in found[len(case.before) :] if one is not None)
 
@@ -159,7 +167,8 @@ def fault(wanted: Wanted, limits: Mapping[str, float], taken: Container[str] = (
                 continue
             if family == "support-stiffness":
                 return Fault(id=id, size=1 + size if sign > 0 else 1 / (1 + size), multiple=times)
-            negative = sign < 0 and (family in ("modulus", "thickness") or (family == "mass" and size < 0.6))
+            both = family in ("modulus", "thickness", *OF_SENSORS) or (family == "mass" and size < 0.6)
+            negative = sign < 0 and both
             return Fault(id=id, size=-size if negative else size, multiple=times)
     return None
 

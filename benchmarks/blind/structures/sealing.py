@@ -17,7 +17,7 @@ import numpy as np
 
 from benchmarks.blind.names import MODEL, SETTINGS, Json
 from benchmarks.blind.structures import shapes
-from benchmarks.blind.structures.drawing import FUNCTIONS, TABLE, Fault, StructureCase, at_node, planted
+from benchmarks.blind.structures.drawing import FUNCTIONS, OF_SENSORS, TABLE, Fault, StructureCase, at_node, planted
 from fem.structure import Structure, place_rows
 from fem.user_model import reading
 from geometry.atomic import write_text
@@ -48,7 +48,8 @@ NODES = 4
 NOISE, GAIN, FREQUENCY, SHAPE = 0.004, 0.003, 1e-3, 0.02
 """Relative, one standard deviation: of a response function, of a sensor, of a measured frequency, of an entry of a shape."""
 
-KNOWN = ("modulus", "mass", "thickness", "support-stiffness", "connection-compliance", "structural-damping")
+OF_PARTS = ("modulus", "mass", "thickness", "support-stiffness", "connection-compliance", "structural-damping")
+KNOWN = (*OF_PARTS, *OF_SENSORS)
 """Families whose faults have names."""
 
 
@@ -161,13 +162,33 @@ def _handed_over(
     lab = TestedStructure(highest=band[1], structure=tested, losses=losses, ratio=0.0)
     generator = stream(case.laboratory, "test")
     sensors = [f"{name}:{'xyz'[int(generator.integers(3))]}" for name in places]
-    rows = [tested.places[one[:-2]].toarray()["xyz".index(one[-1])] for one in sensors]
+    rows = [read_by(tested, one, places[one[:-2]], faults) for one in sensors]
     gains = 1 + GAIN * generator.standard_normal(len(sensors))
+    sizes = {one.id: one.size for one in faults}
+    gains *= [1 + sizes.get(f"accelerometer-gain:{one.replace(':', '-')}", 0.0) for one in sensors]
     if case.test == FUNCTIONS:
-        made = _functions(lab, rows, sensors, gains, band, generator)
+        late = np.array([sizes.get(f"accelerometer-delay:{one.replace(':', '-')}", 0.0) for one in sensors])
+        made = _functions(lab, rows, sensors, gains, late, band, generator)
     else:
         made = _table(lab, rows, sensors, gains, band, generator)
     made.fill(to)
+
+
+def read_by(tested: Structure, sensor: str, at: shapes.Point, faults: Sequence[Fault]) -> Array:
+    """(n,) what moves an accelerometer `at` [mm] along its direction, turned and shifted as `faults` have it."""
+    place, _, axis = sensor.partition(":")
+    direction, shift = np.eye(3)["xyz".index(axis)], np.zeros(3)
+    for one in faults:
+        family, *targets = one.id.split(":")
+        if targets[0] != f"{place}-{axis}" or len(targets) < 2:
+            continue
+        along = one.size * np.eye(3)["xyz".index(targets[1])]
+        if family == "accelerometer-misalignment":
+            direction = direction + np.cross(along, direction)
+        elif family == "accelerometer-position":
+            shift = along
+    rows = place_rows(tested, np.array(at) / 1e3 + shift)[0] if np.any(shift) else tested.places[place]
+    return np.asarray(direction @ rows.toarray())
 
 
 def _band(fine: Structure) -> tuple[float, float]:
@@ -240,12 +261,14 @@ def _functions(
     rows: Sequence[Array],
     sensors: Sequence[str],
     gains: Array,
+    late: Array,
     band: Band,
     generator: np.random.Generator,
 ) -> StructureTest:
-    """Accelerances of the sensors for a force at each of `DRIVES`."""
+    """Accelerances of the sensors, `late` by so many seconds, for a force at each of `DRIVES`."""
     f, drives = np.linspace(*band, LINES), sensors[:DRIVES]
-    A = lab.accelerance(f, rows, rows[:DRIVES]) * gains[:, None]
+    A = lab.accelerance(f, rows, [lab.structure.places[p].toarray()["xyz".index(a)] for p, a in (d.split(":") for d in drives)])
+    A = A * gains[:, None] * np.exp(-2j * np.pi * f[:, None] * late)[:, :, None]
     noise = generator.standard_normal((*A.shape, 2)) @ np.array([1, 1j]) / np.sqrt(2)
     floor = 0.2 * np.sqrt(np.mean(np.abs(A) ** 2, axis=(0, 1), keepdims=True))  # a sensor is as noisy where next to nothing moves
     A = A + NOISE * noise * np.hypot(np.abs(A), floor)

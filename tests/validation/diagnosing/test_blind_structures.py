@@ -20,16 +20,31 @@ def test_a_draw_is_the_same_each_time_and_has_every_kind_of_structure() -> None:
     cases = draw(3, KINDS, 10)
     assert cases == draw(3, KINDS, 10)
     assert {one.shape for one in cases} == set(shapes.KINDS)
-    assert [sum(one.kind == kind for one in cases) for kind in KINDS] == [10, 30, 5, 5]
+    assert [sum(one.kind == kind for one in cases) for kind in KINDS] == [10, 40, 5, 5]
 
 
 def test_a_single_fault_is_one_and_none_is_drawn_twice_on_a_structure() -> None:
     """Of a table of a frame nothing was planted, since it told no modulus either; of a plate the same modulus twice."""
     cases = [one for one in draw(3, ("singles",), 10) if one.name.startswith("structure-005")]
-    limits = {"modulus:left": 0.2, "mass:left": 0.3, "mass:right": 2.0, "point-mass:@0,0,1": 0.1}
+    limits = {"modulus:left": 0.2, "mass:left": 0.3, "mass:right": 2.0, "point-mass:@0,0,1": 0.1, "accelerometer-gain:s2-x": 0.02}
     ids = [[fault.id for fault in planted(one, limits)] for one in cases]
-    assert sorted(id for some in ids for id in some) == ["mass:left", "modulus:left", "point-mass:@0,0,1"]
-    assert [len(some) for some in ids] == [1, 1, 1]
+    found = sorted(id for some in ids for id in some)
+    assert found == ["accelerometer-gain:s2-x", "mass:left", "modulus:left", "point-mass:@0,0,1"]
+    assert [len(some) for some in ids] == [1, 1, 1, 1]
+
+
+def test_an_accelerometer_reads_what_its_fault_makes_of_it(tmp_path: Path) -> None:
+    """Turned about x by 0.1, what reads along y reads a tenth of z as well; moved to the next node, what that does."""
+    plan = shapes.drawn("frame", stream(7, "frame"))
+    nodes = plan.mesh(fine=False).nodes
+    place, other = next((p, q) for p in nodes for q in nodes if p[:2] == q[:2] and p[2] < q[2])
+    whole = sealing.written(plan, {"a": place, "b": other}, tmp_path, fine=False)
+    _, y, z = whole.places["a"].toarray()[:3]
+    turned = sealing.read_by(whole, "a:y", place, [Fault(id="accelerometer-misalignment:a-y:x", size=0.1, multiple=5.0)])
+    np.testing.assert_allclose(turned, y + 0.1 * z)
+    beside = [Fault(id="accelerometer-position:a-x:z", size=(other[2] - place[2]) / 1e3, multiple=5.0)]
+    np.testing.assert_allclose(sealing.read_by(whole, "a:x", place, beside), whole.places["b"].toarray()[0], atol=1e-6)
+    np.testing.assert_array_equal(sealing.read_by(whole, "a:z", place, beside), z)
 
 
 @pytest.mark.parametrize("kind", shapes.KINDS)
