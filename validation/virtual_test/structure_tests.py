@@ -206,11 +206,8 @@ class TestedStructure:
         return self.lossy_on(*self.modes[:2])
 
     def lossy_on(self, squares: Array, shapes: Array) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """The same on modes of these squares (m,) and shapes (n, m).
-
-        psi psi^T is no unit matrix where two have one frequency, as the rigid motions of what floats and the pairs of what is
-        round: of those no solver says which are orthogonal.
-        """
+        """The same on modes of these squares (m,) and shapes (n, m): psi⁻¹ is not psi^T where modes have one frequency, as the
+        rigid motions of what floats and the pairs of what is round."""
         shares = (eta * shapes.T @ (self.structure.part_stiffness[part] @ shapes) for part, eta in self.losses.items())
         S = sum(shares, np.zeros((len(squares), len(squares))))
         values, vectors = np.linalg.eig(np.diag(squares) + 1j * S)
