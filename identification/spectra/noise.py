@@ -223,6 +223,29 @@ def of_redundancy(spectra: Spectra, gravity: float) -> Array:
     return np.where(noise > ROUNDING * level, noise, 0.0)
 
 
+def over_a_reference(spectra: Spectra, untold: npt.NDArray[np.bool_]) -> Array:
+    """(r, n, c) as `of_redundancy`, of the channels that are `untold` (c,) by it; 0 for others, and where lines are too few.
+
+    What a channel reads over the accelerometer below the article that reads most goes smoothly over the lines but for resonances,
+    which are fewer than half of them. Noise is the larger of what does not depend on what is read and of what grows with it. Half
+    the square of the least share is laid on the reference itself: nobody knows whose it is.
+    """
+    table, noise = spectra.table, np.zeros(spectra.values.shape)
+    below = list(table.select(group="table", quantity="acceleration") or table.select(group="cover", quantity="acceleration"))
+    if not below or not untold.any() or len(spectra.frequency) < FEWEST:
+        return noise
+    middle, weight = slice(ORDER // 2, -(ORDER // 2)), np.sqrt(comb(2 * ORDER, ORDER) * np.log(2))
+    for k, values in enumerate(spectra.values):
+        pilot = values[:, below[int(np.argmax(np.linalg.norm(values[:, below], axis=0)))], None]
+        functions = values * pilot.conj() / np.maximum(np.square(np.abs(pilot)), np.finfo(np.float64).tiny)
+        rough = np.abs(np.diff(functions, n=ORDER, axis=0)) / weight * np.abs(pilot[middle])
+        shares = np.median(rough / np.maximum(np.abs(values[middle]), np.finfo(np.float64).tiny), axis=0)
+        own = np.square(shares[shares > ROUNDING].min(initial=np.inf)) / 2
+        shares = np.sqrt(np.where(shares > ROUNDING, np.maximum(np.square(shares) - own, np.square(shares) / 2), own))
+        noise[k, :, untold] = np.maximum(np.median(rough, axis=0), shares * np.abs(values)).T[untold]
+    return np.where(np.isfinite(noise), noise, 0.0)
+
+
 # Noise of lines that brought no records along, from the lines themselves.
 #
 # First, what is left when each line is compared with the mean of its neighbours. A response function is smooth over three lines

@@ -140,6 +140,27 @@ def test_spectra_in_files_stay_as_they_are(campaign: Campaign, tmp_path) -> None
     assert found.quality.min() > 0.98
 
 
+def test_noise_of_spectra_without_redundant_channels_is_told_over_the_base(campaign: Campaign) -> None:
+    """A sound panel on one axis of a shaker was unknown: the noise of its spectra counted as 0."""
+    lines, rng = np.arange(5.0, 300.0), np.random.default_rng(4)
+    made = spectra(campaign, frequency=np.linspace(5, 30, len(lines)))
+    below = list(made.table.select(group="table", quantity="acceleration"))
+    functions = np.ones((1, len(lines), len(made.table.channels)), dtype=complex)
+    for k in range(functions.shape[2]):
+        functions[0, :, k] += k / (1 - (lines / (40 + 35 * k)) ** 2 + 0.02j)
+    functions[0, :, below] = 1.0
+    clean = 3.0 * np.exp(0.7j * lines)[None, :, None] * functions
+    sd = np.hypot(2e-3 * np.abs(clean), 2e-3)
+    added = rng.standard_normal((*clean.shape, 2)) @ np.array([1, 1j]) / np.sqrt(2)
+    quality, one = np.ones((1, len(lines))), {"runs": made.runs[:1], "axes": made.axes[:1]}
+    some = replace(made, frequency=lines, values=clean + sd * added, noise=0 * sd, quality=quality, **one)
+    untold = np.arange(functions.shape[2]) != len(made.table.channels) - 1
+    ratio = np.median(noise.over_a_reference(some, untold) / sd, axis=1)[0]
+    assert ratio[untold].min() > 0.7
+    assert ratio[untold].max() < 2.0
+    assert not ratio[~untold].any()
+
+
 def test_spectra_in_files_are_not_interpolated(campaign: Campaign) -> None:
     held = as_spectra(campaign, np.linspace(4, 32, 57))
     assert len(spectra(held, frequency=[5.0, 5.5]).frequency) == 2

@@ -203,13 +203,8 @@ def mounted_article(model: Model, campaign: Campaign, highest: float = 0.0) -> M
         )
     reach = [run.excitation.band[1] for run in campaign.runs if run.excitation is not None and run.excitation.band is not None]
     reach += [float(one.frequency[-1]) for one in campaign.recordings.values() if one.frequency is not None and not reach]
-    upon = [campaign.table.channels[k] for k in campaign.table.select(group="article", quantity="acceleration")]
-    back = pose.inverse
-    at = {
-        one.name: at_position(back.apply(one.places[0].position - campaign.table.origin).tolist())
-        for one in upon
-        if not one.is_sum
-    }
+    at = _places_of_accelerometers(campaign)
+    there = read_on_article(model, campaign)
     recipe = _Recipe(
         article=article,
         kind=model.kind,
@@ -221,11 +216,37 @@ def mounted_article(model: Model, campaign: Campaign, highest: float = 0.0) -> M
         band=max(reach, default=highest or BAND) if own else BAND,
         positions=positions_on(model, own) if own else (),
     )
-    found = _made(replace(recipe, sensors=tuple(dict.fromkeys(at.values()))))
-    there = {name: place for name, place in at.items() if found.matrices is not None and place in found.matrices.places}
+    found = _made(replace(recipe, sensors=tuple(dict.fromkeys(there.values()))))
     unread = [_unread(recipe, campaign.source, name, place) for name, place in at.items() if name not in there]
     said = (*said, *unread, *_riding(recipe, campaign.source, there), *((OF_SENSORS,) if there else ()))
     return replace(found, pose=pose, sensors=there, remarks=said)
+
+
+def _places_of_accelerometers(campaign: Campaign) -> dict[str, str]:
+    """By name of an accelerometer on the article where it is, in the article's frame."""
+    table, back = campaign.table, mounted(campaign)[0].inverse
+    upon = [table.channels[k] for k in table.select(group="article", quantity="acceleration")]
+    return {one.name: at_position(back.apply(one.places[0].position - table.origin).tolist()) for one in upon if not one.is_sum}
+
+
+def read_on_article(model: Model, campaign: Campaign) -> dict[str, str]:
+    """By name of an accelerometer on the article the place that it reads, of those whose motion `model` knows.
+
+    Raises
+    ------
+    BadInput : a model of the user's own that cannot be used.
+    """
+    at, article = _places_of_accelerometers(campaign), above_fmd(campaign.article)
+    own = _own(model, article, campaign.article) if at and article else ""
+    known = _known(own, stamp(own), tuple(at.values())) if own and model.kind != RIGID else set(at.values())
+    return {name: place for name, place in at.items() if article and place in known}
+
+
+@lru_cache(maxsize=16)
+def _known(own: str, stamp: int, places: tuple[str, ...]) -> frozenset[str]:
+    """Of `places` those that a user's own model has."""
+    model = users_model(own, stamp).model
+    return frozenset(one for one in places if isinstance(model, Structure) and lacking(model, one) is None)
 
 
 def _riding(recipe: "_Recipe", source: str, there: Mapping[str, str]) -> list[str]:
@@ -321,8 +342,7 @@ def _made(recipe: _Recipe) -> MountedArticle:
                 problem = f'is "{support}": it has no base that an FMD could carry'
                 remedy = 'State support = "base" with its interface; response functions and modal tables need none'
                 raise BadInput(source=recipe.own, field="fe_model.support", problem=problem, remedy=remedy)
-            there = [one for one in places if one not in recipe.sensors or lacking(found.model, one) is None]
-            return _of_structure(recipe, with_positions(found.model, there), damping, {}, None)
+            return _of_structure(recipe, with_positions(found.model, list(places)), damping, {}, None)
         frequency = found.model.frequency
         modal = found.model if damping is None else replace(found.model, viscous=damping_per_mode(damping, 2 * np.pi * frequency))
         matrices = of_modes(modal, _inertia(recipe).cog)

@@ -39,7 +39,7 @@ from validation.model.tolerance_classes import METROLOGY
 from validation.prediction import dynamic_mass
 from validation.prediction import effects as prediction_effects
 from validation.prediction.dynamic_mass import AttachedResponse, BaseDrive, Finite, SolvedStructure, SupportedDynamicMass, drives
-from validation.prediction.mounting import MountedArticle, mounted_article, moving_part
+from validation.prediction.mounting import MountedArticle, mounted_article, moving_part, read_on_article
 
 # The measurement chain of one campaign as a model knows it, in the engine's words.
 
@@ -67,14 +67,13 @@ def laboratory(model: Model, campaign: Campaign, effects: Sequence[Added]) -> Ch
 
 
 def _chain(model: Model, campaign: Campaign, overrides: Mapping[str, float]) -> Chain:
-    upon = campaign.table.select(group="article", quantity="acceleration")
     return chain(
         campaign.table,
         model.tolerances,
         stiffness=model.cell_stiffness if on_fmd(campaign) else inf,
         gravity=campaign.gravity,
         overrides=overrides,
-        on_article=tuple(mounted_article(model, campaign).sensors) if upon else (),
+        on_article=tuple(read_on_article(model, campaign)),
     )
 
 

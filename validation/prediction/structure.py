@@ -365,7 +365,7 @@ def bent_far(
     """
     A = free.stiffness + shift * free.mass if shift else free.stiffness
     factor = factor or factorise(A.tocsc(), definite=True)
-    chosen = frequency <= REACH * band
+    chosen = frequency <= max(REACH * band, frequency.min(initial=np.inf))  # what a place moves is told by a mode at least
     swinging, omega = shapes[:, : len(frequency)][:, chosen], 2 * np.pi * frequency[chosen]
     top, first = 2 * np.pi * band, shapes.shape[1]
     root = np.linalg.cholesky(shapes.T @ (A @ shapes))

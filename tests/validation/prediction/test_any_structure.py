@@ -1,9 +1,10 @@
 """Effects on any structure: reduced matrices of a frame against the whole of it, grounded, floating and on a base."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from fem.damping import Damping
 from fem.factorisers import factorise
 from fem.modes import fixed_base
 from fem.structure import Structure
+from fem.user_model import reading
 from geometry.dynamic_mass import MOTIONS
 from geometry.frames import Array, rigid_transformation_6
 from validation.effects import catalogue
@@ -334,6 +336,18 @@ def test_weight_in_the_stiffness_moves_the_frequencies_as_in_the_whole(made: tup
 def test_a_loss_factor_is_an_imaginary_stiffness_of_the_part(made: tuple[Structure, Matrices], part: str) -> None:
     after = acted(made[1], f"structural-damping:{part}=0.02")
     np.testing.assert_array_equal(after.structural, made[1].structural + 0.02 * made[1].parts[part])
+
+
+def test_a_place_twice_adds_nothing_where_tests_end_far_below_the_first_mode(portal: Callable[..., Path], tmp_path: Path) -> None:
+    """No mode told what a place moves: its answer was scaled by 1e307, and rounding of the second took for one of its own; of a
+    panel on a shaker nothing was answered but "not positive definite"."""
+    structure = reading.load(portal(tmp_path, 8)).model
+    assert isinstance(structure, Structure)
+    once = prediction_structure.by_itself(structure, 5.0)
+    twice = prediction_structure.by_itself(prediction_structure.with_positions(structure, ["@0,0,0.24", "@0.3,0,0.24"]), 5.0)
+    assert once.frequency[0] > 80
+    np.testing.assert_allclose(np.diag(twice.matrices.stiffness), np.diag(once.matrices.stiffness), rtol=1e-6)
+    np.testing.assert_allclose(twice.matrices.places["@0,0,0.24"], twice.matrices.places["a"], rtol=1e-6, atol=1e-9)
 
 
 def test_a_frame_on_a_base_that_moves_has_the_shares_of_its_parts() -> None:
