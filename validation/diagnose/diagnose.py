@@ -22,7 +22,7 @@ from identification.quality import NORMAL_90
 from validation.compare.correlation import correlations
 from validation.diagnose import candidates, diagnosis, pendulum, search
 from validation.diagnose.candidate_fits import CandidateFit, GoodnessOfFit, goodness_of_fit
-from validation.diagnose.everywhere import elsewhere, found_nodes, kind_of, nodes_of, with_twins, without_a_name
+from validation.diagnose.everywhere import elsewhere, found_nodes, kind_of, with_twins, without_a_name
 from validation.diagnose.landmark_search import FromAfar, line_fit
 from validation.diagnose.mistakes import mistakes
 from validation.diagnose.next_test import advised
@@ -98,12 +98,11 @@ def diagnosed(
         tell("fitting the model as it is", 0.0)
         fit = right.all_free(lambda share: tell("fitting the model as it is", share))
         base = diagnosis.Candidate(effects=(), fit=fit, problem=right.problem())
-        if any(map(nodes_of, base.problem.predictions)):
-            tell("looking everywhere on the mesh", 0.0)
-        every, best = found_nodes(base)
+        look = partial(tell, "looking everywhere on the mesh")
+        every, best = found_nodes(base, lambda share: look(share / 3))
         wanted = partial(candidates.looked_for, only=only, leave_out=leave_out)
         nodes = tuple(one for one in best if wanted(one.named))
-        if fitted := without_a_name(right, base, nodes, wanted):
+        if fitted := without_a_name(right, base, nodes, wanted, lambda share: look((1 + 2 * share) / 3)):
             again = {one.kind for one in fitted}
             nodes = (*fitted, *(one for one in nodes if one.kind not in again))
             right = right.ready_at([one.named.target for one in fitted])

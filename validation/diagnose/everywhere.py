@@ -17,7 +17,7 @@ Probability, 1961, section 1.6: a law of which one constant is not known).
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -233,8 +233,8 @@ class MeshSearch:
         most = min(max(int(PRODUCTS / a_node), SURVEYED), len(self.points))
         return np.unique(np.linspace(0, len(self.points) - 1, most).astype(np.int64))
 
-    def scores(self) -> NodeScores:
-        """Of every node."""
+    def scores(self, progress: Callable[[float], None] = lambda share: None) -> NodeScores:
+        """Of every node; `progress` hears the share done."""
         from scipy.spatial import cKDTree
 
         every = self.worked_out
@@ -244,6 +244,7 @@ class MeshSearch:
         tuned, places = np.zeros((len(points), 2)), self.resonances() if self.lined else ()
         together = max(int(AT_ONCE / (3 * sum(of.of.values.size for of, _ in self.tests))), 1)
         for begin in range(0, len(points), together):
+            progress(begin / len(points))
             some = slice(begin, begin + together)
             told = self.told(self.at(every[some]), places)
             for kind, (e, c) in told.items():
@@ -488,13 +489,19 @@ def _resonator(frequency: Array, own: float, ratio: float) -> ComplexArray:
     return np.asarray(spring / (spring - frequency**2))
 
 
-def found_nodes(candidate: Candidate, *, far: bool = False) -> tuple[tuple[NodeScores, ...], tuple[FoundNode, ...]]:
-    """What the data say of all nodes beside the fit of `candidate`, and of every kind that explains anything the best node."""
-    every, found = [], []
-    for search in MeshSearch.of(candidate):
-        scores = search.scores()
+def found_nodes(
+    candidate: Candidate, progress: Callable[[float], None] = lambda share: None, *, far: bool = False
+) -> tuple[tuple[NodeScores, ...], tuple[FoundNode, ...]]:
+    """What the data say of all nodes beside the fit of `candidate`, and of every kind that explains anything the best node;
+    `progress` hears the share done."""
+    every, found = list[NodeScores](), list[FoundNode]()
+    wholes = {id(whole.structure.stiffness) for one in candidate.problem.predictions if (whole := nodes_of(one))}
+    for k, search in enumerate(MeshSearch.of(candidate)):
+        done = partial(lambda before, share: progress((before + share / 2) / len(wholes)), k)
+        scores = search.scores(done)
         every.append(scores)
-        for kind, evidence in scores.evidence.items():
+        for asked, (kind, evidence) in enumerate(scores.evidence.items()):
+            done(1 + asked / len(scores.evidence))
             if evidence.max() < PROMISING:
                 continue
             node, gain, size = search.best_node(scores, kind, far=far)
@@ -519,14 +526,18 @@ def found_nodes(candidate: Candidate, *, far: bool = False) -> tuple[tuple[NodeS
 
 
 def without_a_name(
-    data: Study, base: Candidate, nodes: Sequence[FoundNode], wanted: Callable[[Named], bool] = lambda named: True
+    data: Study,
+    base: Candidate,
+    nodes: Sequence[FoundNode],
+    wanted: Callable[[Named], bool] = lambda named: True,
+    progress: Callable[[float], None] = lambda share: None,
 ) -> tuple[FoundNode, ...]:
     """Of the kinds of `nodes` the places that are worth a fit although they have no name: they would explain what is worth a
     parameter, and what no place that has a name explains as well. As a fit of all tolerances left them, the best first.
 
     A large fault has the fit without it move tolerances far, and then a node is not seen where it is. So the mesh is asked from
     the tolerances as they are declared, too; the best places are fitted, and the mesh is asked again around each with the
-    tolerances as they are beside the effect.
+    tolerances as they are beside the effect. `progress` hears the share done.
     """
     seen = [one for one in nodes if _is_worth(one)]
     if not seen and goodness_of_fit(base.fit, base.problem).null:
@@ -534,11 +545,14 @@ def without_a_name(
     found, stood = dict[str, FoundNode](), dict[str, Candidate]()
     asked, tried = set[str](), list[CandidateFit]()
     at_home = replace(base, fit=_standing(base.problem, base.fit, base.problem.start))
-    declared = [one for one in found_nodes(at_home, far=True)[1] if wanted(one.named) and _is_worth(one)]
+    declared = found_nodes(at_home, lambda share: progress(share / 2), far=True)[1]
+    declared = tuple(one for one in declared if wanted(one.named) and _is_worth(one))
     # A resonator far above the band is a mass, and takes a fit of three sizes: it comes last, where it promises more than those
     both = [each for some in (seen, declared) for each in [one for one in some if one.kind != RESONATOR][:FEW]]
     both += [each for each in seen if each.kind == RESONATOR]
-    for one, here in [(each, named) for each in both for named in (each.named, each.straight) if named is not None]:
+    begins = [(each, named) for each in both for named in (each.named, each.straight) if named is not None]
+    for k, (one, here) in enumerate(begins):
+        progress((1 + k / len(begins)) / 2)
         kind, most = one.kind, -np.inf
         if kind == RESONATOR and any(one.evidence < each.evidence + INDISTINGUISHABLE_NATS for each in found.values()):
             continue

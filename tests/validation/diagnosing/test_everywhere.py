@@ -114,7 +114,11 @@ def test_one_solution_says_of_a_node_what_the_effect_there_does_to_first_order_a
 
 
 def test_a_mass_at_no_named_place_is_found_on_the_mesh_and_added_by_its_coordinates(study: Study) -> None:
-    found = diagnosed(study)
+    heard = list[tuple[str, float]]()
+    found = diagnosed(study, progress=lambda what, share: heard.append((what, share)))
+    looked = [share for what, share in heard if what == "looking everywhere on the mesh"]
+    assert looked == sorted(looked)
+    assert np.diff([0.0, *looked, 1.0]).max() < 0.25  # it stood at nothing through all of it
     (cause,) = found.accepted
     place = position(cause.named.target)
     assert cause.named.family == "point-mass"
@@ -339,7 +343,7 @@ def test_a_fitted_node_is_held_against_a_fitted_name_and_not_against_its_promise
     base = candidates.baseline(study)
     best = next(one for one in found_nodes(base)[1] if one.kind == "point-mass")
     close = replace(best, evidence=best.evidence + 1e4, named_evidence=best.evidence + 1e4 - 10.0, named_place="c")
-    monkeypatch.setattr(everywhere, "found_nodes", lambda of, far: ((), (close,)))
+    monkeypatch.setattr(everywhere, "found_nodes", lambda *of, far: ((), (close,)))
     (found,) = without_a_name(study, base, [close])
     assert np.linalg.norm(np.array(position(found.named.target)) - HIDDEN) < 0.04
     assert 0 < found.named_evidence < found.evidence - 10.0
@@ -379,7 +383,7 @@ def test_the_node_that_explains_most_to_first_order_is_fitted_too(portal, tmp_pa
     base = candidates.baseline(study)
     best = next(one for one in found_nodes(base)[1] if one.kind == "cable:z")
     elsewhere = replace(best.named, targets=(at_position((0.0, 0.0, HIDDEN[2])), "z"))
-    monkeypatch.setattr(everywhere, "found_nodes", lambda of, far: ((), ()))
+    monkeypatch.setattr(everywhere, "found_nodes", lambda *of, far: ((), ()))
     monkeypatch.setattr(everywhere, "MOVES", 1)
     assert best.straight is not None
     (found,) = without_a_name(study, base, [replace(best, named=elsewhere, nearest="a", distance=9.0)])
