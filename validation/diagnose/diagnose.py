@@ -171,7 +171,8 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
     best, stands = best_step(found, steps), goodness_of_fit(found.fit, problem)
     last = {one.added: one for one in steps if one.added}
     same = {one.named.id: last[one.named.id].same_as(one.named.id) if one.named.id in last else () for one in found.effects}
-    if not stands.null or left.gain > LEFT or not (found.fit.converged or found.effects):
+    by_chance = stands.null and left.gain <= LEFT
+    if not by_chance or not (found.fit.converged or found.effects):
         verdict = diagnosis.UNKNOWN
     elif not found.effects:
         verdict = diagnosis.NOTHING
@@ -212,13 +213,13 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
     told += search.left_of_reduction(study, found)
     known_better = found.fit.converged and study.model.tolerance_class != METROLOGY
     for moved in tolerances(found.fit)[:1] if verdict == diagnosis.NOTHING else ():
-        by_chance = max(found.fit.tolerances * erfc(abs(moved.z) / sqrt(2)), RAREST)
-        if by_chance < CHANCE:
+        chance = max(found.fit.tolerances * erfc(abs(moved.z) / sqrt(2)), RAREST)
+        if chance < CHANCE:
             (by,), unit = written_as(moved.parameter.unit, (moved.moved,))
             told.append(
                 f"the fit moved {moved.parameter.name} by {with_unit(by, unit)}, {abs(moved.z):.1f} standard deviations of what "
                 f"was known, which is too little for a name; of {found.fit.tolerances} tolerances chance moves one as "
-                f"far in 1 of {1 / by_chance:.0f} tests: measure it again"
+                f"far in 1 of {1 / chance:.0f} tests: measure it again"
             )
     return diagnosis.Diagnosis(
         verdict=verdict,
@@ -227,7 +228,7 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         ranking=tuple(map(cause, best.tried)),
         equivalence_class=indistinguishable_ids(named, steps),
         advice=advice,
-        leftover=described(base) if verdict == diagnosis.UNKNOWN else None,
+        leftover=None if by_chance else described(base),
         detectable=candidates.detectable(steps[-1].screened),
         before=before,
         after=after,
@@ -419,7 +420,8 @@ def indistinguishable_ids(named: Sequence[Added], steps: Sequence[SearchStep]) -
 
 def text_of_unknown(found: diagnosis.Candidate, best: SearchStep, left: Explanation) -> str:
     """Why no name will do for an unknown effect."""
-    why = goodness_of_fit(found.fit, found.problem).text or f"{left.gain:.0f} nats are left that have no name"
+    rest = f"{left.gain:.0f} nats are left that have no name" if left.gain > LEFT else "chance would explain what is left"
+    why = goodness_of_fit(found.fit, found.problem).text or rest
     if not found.effects and not found.fit.converged:
         why = f"{found.fit.unfinished}, and no effect that was looked for explains why. Where it stopped {why}"
     if found.effects:

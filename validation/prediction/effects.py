@@ -301,15 +301,7 @@ class Nuisances:
                 mass[b + r, a] += more
         S = (D * E)[:, None] * S * (D * E)
         structural, viscous = self.coupling(offsets)
-        made = replace(
-            m,
-            mass=mass,
-            stiffness=stiffness,
-            structural=S + structural,
-            viscous=C + viscous,
-            parts=parts,
-            lossier=D,
-        )
+        made = replace(m, mass=mass, stiffness=stiffness, structural=S + structural, viscous=C + viscous, parts=parts, lossier=D)
         losses = {part: eta * (1 + offsets.get(f"loss:{part}", 0.0)) for part, eta in self.losses.items()}
         return _Now(of=self, matrices=made, E=E, D=D, uncoupled=C, lost=S, losses=losses, offsets=offsets)
 
