@@ -43,7 +43,7 @@ from validation.history.add import completed
 from validation.model.model import Added, Model, require_target, vocabulary
 from validation.model.setups import above_fmd, is_stack
 from validation.model.tolerance_classes import METROLOGY
-from validation.output import with_unit
+from validation.output import nats, with_unit
 from validation.prediction.effects import name
 from validation.study import Data, Options, Study, read
 
@@ -336,8 +336,8 @@ def answer_from_afar(
     off = found.off(SOUND)
     words = "; ".join(f"{where} by {sd:.1f} of what a sound model may be" for where, sd in off[:MOST_OFF]) or stands.text
     left = f"Something is left. Still off: {words}."
-    if found.after is not None:
-        left += f" {found.after.added.named.id} comes closest to that, with {max(found.after.evidence, 0.0):.1f} nats too little."
+    if (more := found.after) is not None and more.evidence > 0:
+        left += f" What comes closest to that, {more.added.named.id}, brings {nats(more.evidence)} nats: too little."
     total = sum(sd**2 for _, sd in off) or 1.0
     # Gains of which nothing was known; their intervals are wider by what the data do not fit
     wider, gains = NORMAL_90 * max(np.sqrt(fit.chi2 / max(fit.degrees_of_freedom, 1)), 1.0), []
