@@ -8,6 +8,7 @@ rigid node, the underside of a solid, the interface of a user's model. All other
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Protocol
 
@@ -112,6 +113,12 @@ class Structure:
         M = self.rigid.T @ (self.mass @ self.rigid)
         return np.asarray((M + M.T) / 2)
 
+    @cached_property
+    def weights(self) -> Array:
+        """(p, 3) [kg] what resists at each of `points` along x, y, z where all of it shifts."""
+        shifted = at_freedoms(np.asarray(self.mass @ self.rigid[:, :3]), self.translations)
+        return np.diagonal(shifted, axis1=1, axis2=2)
+
 
 def at_freedoms(values: Array, freedoms: Integers) -> Array:
     """`values` (n, ...) at `freedoms` of any shape, as a structure's `translations` are; 0 where these are -1, held."""
@@ -192,6 +199,19 @@ def nearest_node(structure: Structure, point: Array) -> tuple[int, float, float]
     distance, node = tree.query(point)
     gaps = tree.query(structure.points, k=2)[0][:, 1] if len(structure.points) > 1 else np.zeros(1)
     return int(node), float(distance), float(gaps.max())
+
+
+NEAR = 0.1
+"""[share] of a structure's size about a node within which what it weighs may be taken away as a mass at that. By definition."""
+
+
+def removable(structure: Structure, point: npt.ArrayLike | None) -> float:
+    """[kg] that can be missing at `point` (3,) [m] at most: what is about it, or the whole where that is unknown."""
+    most = float(np.trace(structure.rigid_mass[:3, :3])) / 3 or np.inf  # without coordinates nothing is known
+    if point is None or not len(structure.points):
+        return most
+    near = np.linalg.norm(structure.points - np.asarray(point), axis=1) <= NEAR * np.ptp(structure.points, axis=0).max()
+    return float(np.clip(structure.weights[near].sum(axis=0).max(), 0.0, most))
 
 
 # `HeldBase`: the free part of a structure, and how acceleration of the base loads it.

@@ -1,6 +1,7 @@
 """`Part` and `Article`: what is mounted, bottom to top, each part with its shape, its material and its place."""
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from types import MappingProxyType
@@ -208,6 +209,12 @@ class Part:
     counted: bool = True
 
 
+def require_unique_names(names: Iterable[str]) -> None:
+    """Refuse parts of which two have one name."""
+    if doubled := [name for name, count in sorted(Counter(names).items()) if count > 1]:
+        raise ValueError(f"`parts` must have unique names, found {', '.join(doubled)} more than once")
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Article:
     """A test article or a stack of them.
@@ -226,10 +233,7 @@ class Article:
     note: str = ""
 
     def __post_init__(self) -> None:
-        names = [part.name for part in self.parts]
-        doubled = sorted({name for name in names if names.count(name) > 1})
-        if doubled:
-            raise ValueError(f"`parts` must have unique names, found {', '.join(doubled)} more than once")
+        require_unique_names(part.name for part in self.parts)
 
     @property
     def counted_parts(self) -> tuple[Part, ...]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from geometry import mesh as meshes
 from geometry import toml_file
-from geometry.article import Material, material
+from geometry.article import Material, material, require_unique_names
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose, frozen, rotation_about
 from geometry.inertia import Inertia
@@ -293,10 +293,7 @@ class UserArticle:
     warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        names = [part.name for part in self.parts]
-        doubled = sorted({name for name in names if names.count(name) > 1})
-        if doubled:
-            raise ValueError(f"`parts` must have unique names, found {', '.join(doubled)} more than once")
+        require_unique_names(part.name for part in self.parts)
 
     @property
     def exact(self) -> bool:

@@ -626,8 +626,6 @@ def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]
     keyword, options, rows, steps = "", dict[str, str](), list[list[str]](), 0
     for line in deck_lines(path):
         text = line.text.strip()
-        if not text or text.startswith("**"):
-            continue
         if not text.startswith("*"):
             heavy = keyword in ("NODE", "NSET", "ELSET") or (
                 keyword == "ELEMENT" and options.get("TYPE", "").upper() not in files.LOOSE

@@ -175,7 +175,7 @@ class _Place:
 
 
 def flat(lines: Iterable[Line]) -> Iterator[Line]:
-    """`lines` without parts and instances.
+    """`lines` without parts and instances, comments and what is blank.
 
     Raises
     ------

@@ -262,8 +262,6 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
     keyword, options, kind, pending = "", dict[str, str](), "", list[int]()
     for line in deck_lines(path):
         text = line.text.strip()
-        if not text or text.startswith("**"):
-            continue
         if text.startswith("*"):
             keyword, options = keyword_of(text)
             pending = []

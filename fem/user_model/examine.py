@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.mesh.places import ENERGY_TOO_HIGH
+from fem.mesh.places import ENERGY_TOO_HIGH, Elements
 from fem.modes import Modes, floating_shift, lowest
 from fem.structure import Sparse, Structure, hold
 from fem.user_model import freedoms, frequency_checks, matrices, matrix_checks, reading
@@ -87,7 +87,9 @@ def _as_read(path: str | Path, kind: str) -> Examination:
         facts.append(f"a finer mesh may move a frequency by about {100 * share:.2g} %, that of {hertz:.4g} Hz")
         if share > TOO_COARSE:
             what = "strains jump so much from element to element that the mesh is no longer the structure"
-            remedy = "Mesh it finer there, or solids with elements of the second order"
+            blocks = found.model.elements.blocks if isinstance(found.model.elements, Elements) else ()
+            first = any(block.part == part and block.kind in ("tet4", "wedge6", "hex8") for block in blocks)
+            remedy = f"Mesh it finer there{', or with elements of the second order' if first else ''}"
             amount = f"about {100 * share:.2g} % of the frequency of the mode at {hertz:.4g} Hz"
             findings.append(Finding(check="mesh", what=what, where=part, amount=amount, remedy=remedy))
     return Examination(source=str(path), name=found.name, kind=kind, findings=tuple(findings), facts=tuple(facts))

@@ -36,6 +36,11 @@ class Normal:
     gradient: Array
     matrix: Array
 
+    def beside(self, away: Array, rows: Array) -> "Normal":
+        """The same and residuals `away` (q,) of derivatives `rows` (q, k)."""
+        cost = self.cost + 0.5 * float(away @ away)
+        return Normal(cost=cost, gradient=self.gradient + rows.T @ away, matrix=self.matrix + rows.T @ rows)
+
 
 def eliminated(A: ComplexArray, y: ComplexArray, w: Array) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
     """Whitened residual (n, c), Q (n, c, k) and inputs (n, k) of A (n, c, k), y (n, c) and w (n, c), one over the deviation.
@@ -367,12 +372,7 @@ class _Place:
 
 
 def _place(data: Normal, x: Array, knowledge: Knowledge, room: tuple[Array, Array]) -> _Place:
-    away, rows = knowledge(x)
-    total = Normal(
-        cost=data.cost + 0.5 * float(away @ away),
-        gradient=data.gradient + rows.T @ away,
-        matrix=data.matrix + rows.T @ rows,
-    )
+    total = data.beside(*knowledge(x))
     scale, values, vectors = _factorised(total.matrix)
     return _Place(x=x, data=data, total=total, scale=scale, values=values, vectors=vectors, room=room)
 

@@ -776,7 +776,13 @@ def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("kind", "cells", "is_wrong"),
-    [("C3D4", (8, 2, 2), True), ("C3D10", (16, 3, 3), False), ("C3D8", (8, 1, 1), True), ("C3D8", (40, 2, 2), False)],
+    [
+        ("C3D4", (8, 2, 2), True),
+        ("C3D10", (16, 3, 3), False),
+        ("C3D10", (2, 1, 1), True),
+        ("C3D8", (8, 1, 1), True),
+        ("C3D8", (40, 2, 2), False),
+    ],
 )
 def test_a_mesh_that_is_too_coarse_for_its_modes_is_named_with_the_part(
     kind: str, cells: tuple[int, int, int], is_wrong: bool, tmp_path: Path
@@ -788,3 +794,4 @@ def test_a_mesh_that_is_too_coarse_for_its_modes_is_named_with_the_part(
     found = examine.examine(tmp_path / "beam.toml")
     assert any("finer mesh may" in fact for fact in found.facts)
     assert [(one.check, one.where) for one in found.findings] == ([("mesh", "beam")] if is_wrong else [])
+    assert [one.remedy.endswith("of the second order") for one in found.findings] == ([kind != "C3D10"] if is_wrong else [])

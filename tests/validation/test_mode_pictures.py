@@ -16,6 +16,7 @@ from geometry.frames import rigid_transformation
 from validation.cli import main
 from validation.flexible.model import FlexibleOptions, flexible, nearest_part
 from validation.flexible.modes import displacement, has_rotations
+from validation.report.scenes import motion
 from validation.report.scenes.motion import CYCLE, REACH, DrawnMode, MovingBody, bendable, glb, mode_sheet, sharp_edges
 from validation.report.scenes.scene import DrawnBody
 
@@ -47,6 +48,13 @@ def swaying() -> DrawnMode:
     sway = np.outer(body.vertices[:, 2] ** 2, [3.0, 0.0, 0.0])
     moving = MovingBody(name="cube", vertices=body.vertices, faces=body.faces, edges=sharp_edges(body), displacement=sway)
     return DrawnMode(number=3, frequency=12.5, text="sways", bodies=(moving,))
+
+
+def test_letters_of_a_full_sheet_have_7_points_on_paper_where_it_is_182_mm_wide(renderer, tmp_path, monkeypatch):
+    sizes, write = list[float](), motion.scene.write
+    monkeypatch.setattr(motion.scene, "write", lambda *words, **how: (sizes.append(words[4]), write(*words, **how)))
+    mode_sheet("cube", [swaying()] * motion.COLUMNS, tmp_path / "sheet.png", "A note.")
+    assert min(sizes) * 182 / (motion.COLUMNS * motion.TILE[0]) * 72 / 25.4 >= 7
 
 
 @pytest.mark.parametrize("name", ["clumod-4", "disc+cuboid"])

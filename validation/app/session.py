@@ -41,7 +41,7 @@ from validation.estimation import evaluate
 from validation.estimation.fit import unfitted
 from validation.estimation.problem import FITTED, PLAIN, Evaluation, Share
 from validation.history import add, history
-from validation.history.history import HistoryPosition, Ladder, Version, history_position, read_text
+from validation.history.history import BOTH_FITS, HistoryPosition, Ladder, Version, history_position, read_text
 from validation.model import model_file
 from validation.model.model import Model
 from validation.output import from_json, json_text, require_ending, require_file, require_folder, to_json
@@ -730,9 +730,10 @@ def comparison_on(study: Study, at: Version, progress: Progress) -> Comparison:
         raise ValueError("`at` must have figures")
     # The errors of a rung with the fits behind them, taken where they ended; shares of fitted data are told anew
     known, start = study.problem(), study.whole().start
+    unfinished = figures.unfinished or BOTH_FITS[: 2 * (not figures.converged)]  # older ladders do not say which
     plain, fitted = (
-        replace(unfitted(known, kinds, offsets), converged=figures.converged)
-        for kinds, offsets in ((PLAIN, at.plain_offsets), (FITTED, at.fitted_offsets))
+        replace(unfitted(known, kinds, offsets), converged=name not in unfinished)
+        for name, kinds, offsets in zip(BOTH_FITS, (PLAIN, FITTED), (at.plain_offsets, at.fitted_offsets), strict=True)
     )
     nominal, fitted_data = (
         evaluate.share([one for prediction in known.predictions for one in evaluate.squares(prediction, offsets)])

@@ -22,7 +22,7 @@ from identification.quality import NORMAL_90
 from validation.compare.correlation import correlations
 from validation.diagnose import candidates, diagnosis, pendulum, search
 from validation.diagnose.candidate_fits import CandidateFit, GoodnessOfFit, goodness_of_fit
-from validation.diagnose.everywhere import elsewhere, found_nodes, kind_of, nodes_of, with_twins, without_a_name
+from validation.diagnose.everywhere import elsewhere, found_nodes, kind_of, with_twins, without_a_name
 from validation.diagnose.landmark_search import FromAfar, line_fit
 from validation.diagnose.mistakes import mistakes
 from validation.diagnose.next_test import advised
@@ -43,7 +43,7 @@ from validation.history.add import completed
 from validation.model.model import Added, Model, require_target, vocabulary
 from validation.model.setups import above_fmd, is_stack
 from validation.model.tolerance_classes import METROLOGY
-from validation.output import with_unit
+from validation.output import nats, with_unit
 from validation.prediction.effects import name
 from validation.study import Data, Options, Study, read
 
@@ -98,12 +98,11 @@ def diagnosed(
         tell("fitting the model as it is", 0.0)
         fit = right.all_free(lambda share: tell("fitting the model as it is", share))
         base = diagnosis.Candidate(effects=(), fit=fit, problem=right.problem())
-        if any(map(nodes_of, base.problem.predictions)):
-            tell("looking everywhere on the mesh", 0.0)
-        every, best = found_nodes(base)
+        look = partial(tell, "looking everywhere on the mesh")
+        every, best = found_nodes(base, lambda share: look(share / 3))
         wanted = partial(candidates.looked_for, only=only, leave_out=leave_out)
         nodes = tuple(one for one in best if wanted(one.named))
-        if fitted := without_a_name(right, base, nodes, wanted):
+        if fitted := without_a_name(right, base, nodes, wanted, lambda share: look((1 + 2 * share) / 3)):
             again = {one.kind for one in fitted}
             nodes = (*fitted, *(one for one in nodes if one.kind not in again))
             right = right.ready_at([one.named.target for one in fitted])
@@ -172,7 +171,8 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
     best, stands = best_step(found, steps), goodness_of_fit(found.fit, problem)
     last = {one.added: one for one in steps if one.added}
     same = {one.named.id: last[one.named.id].same_as(one.named.id) if one.named.id in last else () for one in found.effects}
-    if not stands.null or left.gain > LEFT or not (found.fit.converged or found.effects):
+    by_chance = stands.null and left.gain <= LEFT
+    if not by_chance or not (found.fit.converged or found.effects):
         verdict = diagnosis.UNKNOWN
     elif not found.effects:
         verdict = diagnosis.NOTHING
@@ -213,13 +213,13 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
     told += search.left_of_reduction(study, found)
     known_better = found.fit.converged and study.model.tolerance_class != METROLOGY
     for moved in tolerances(found.fit)[:1] if verdict == diagnosis.NOTHING else ():
-        by_chance = max(found.fit.tolerances * erfc(abs(moved.z) / sqrt(2)), RAREST)
-        if by_chance < CHANCE:
+        chance = max(found.fit.tolerances * erfc(abs(moved.z) / sqrt(2)), RAREST)
+        if chance < CHANCE:
             (by,), unit = written_as(moved.parameter.unit, (moved.moved,))
             told.append(
                 f"the fit moved {moved.parameter.name} by {with_unit(by, unit)}, {abs(moved.z):.1f} standard deviations of what "
                 f"was known, which is too little for a name; of {found.fit.tolerances} tolerances chance moves one as "
-                f"far in 1 of {1 / by_chance:.0f} tests: measure it again"
+                f"far in 1 of {1 / chance:.0f} tests: measure it again"
             )
     return diagnosis.Diagnosis(
         verdict=verdict,
@@ -228,7 +228,7 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         ranking=tuple(map(cause, best.tried)),
         equivalence_class=indistinguishable_ids(named, steps),
         advice=advice,
-        leftover=described(base) if verdict == diagnosis.UNKNOWN else None,
+        leftover=None if by_chance else described(base),
         detectable=candidates.detectable(steps[-1].screened),
         before=before,
         after=after,
@@ -336,8 +336,8 @@ def answer_from_afar(
     off = found.off(SOUND)
     words = "; ".join(f"{where} by {sd:.1f} of what a sound model may be" for where, sd in off[:MOST_OFF]) or stands.text
     left = f"Something is left. Still off: {words}."
-    if found.after is not None:
-        left += f" {found.after.added.named.id} comes closest to that, with {max(found.after.evidence, 0.0):.1f} nats too little."
+    if (more := found.after) is not None and more.evidence > 0:
+        left += f" What comes closest to that, {more.added.named.id}, brings {nats(more.evidence)} nats: too little."
     total = sum(sd**2 for _, sd in off) or 1.0
     # Gains of which nothing was known; their intervals are wider by what the data do not fit
     wider, gains = NORMAL_90 * max(np.sqrt(fit.chi2 / max(fit.degrees_of_freedom, 1)), 1.0), []
@@ -420,7 +420,8 @@ def indistinguishable_ids(named: Sequence[Added], steps: Sequence[SearchStep]) -
 
 def text_of_unknown(found: diagnosis.Candidate, best: SearchStep, left: Explanation) -> str:
     """Why no name will do for an unknown effect."""
-    why = goodness_of_fit(found.fit, found.problem).text or f"{left.gain:.0f} nats are left that have no name"
+    rest = f"{left.gain:.0f} nats are left that have no name" if left.gain > LEFT else "chance would explain what is left"
+    why = goodness_of_fit(found.fit, found.problem).text or rest
     if not found.effects and not found.fit.converged:
         why = f"{found.fit.unfinished}, and no effect that was looked for explains why. Where it stopped {why}"
     if found.effects:

@@ -653,6 +653,8 @@ def headline(found: Diagnosis) -> str:
         what = f"nothing{asked(found)}" if found.only else "no effect that massline knows"
         if names:
             return f"MISSING IN PART: {told}; and something is left that {what} explains."
+        if found.leftover is None:
+            return "UNKNOWN: the fit of the model as it is did not converge, and chance would explain what is left."
         return f"UNKNOWN: something is missing, and {what} explains it."
     if found.verdict == NONLINEAR:
         axes = listed(list(dict.fromkeys(level.axis for level in found.levels)))

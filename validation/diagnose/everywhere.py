@@ -17,11 +17,11 @@ Probability, 1961, section 1.6: a law of which one constant is not known).
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
-from fem.structure import Structure, at_freedoms
+from fem.structure import Structure, at_freedoms, position_of, removable
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import CheckFailed
 from geometry.frames import Array, Integers
@@ -233,8 +233,8 @@ class MeshSearch:
         most = min(max(int(PRODUCTS / a_node), SURVEYED), len(self.points))
         return np.unique(np.linspace(0, len(self.points) - 1, most).astype(np.int64))
 
-    def scores(self) -> NodeScores:
-        """Of every node."""
+    def scores(self, progress: Callable[[float], None] = lambda share: None) -> NodeScores:
+        """Of every node; `progress` hears the share done."""
         from scipy.spatial import cKDTree
 
         every = self.worked_out
@@ -244,6 +244,7 @@ class MeshSearch:
         tuned, places = np.zeros((len(points), 2)), self.resonances() if self.lined else ()
         together = max(int(AT_ONCE / (3 * sum(of.of.values.size for of, _ in self.tests))), 1)
         for begin in range(0, len(points), together):
+            progress(begin / len(points))
             some = slice(begin, begin + together)
             told = self.told(self.at(every[some]), places)
             for kind, (e, c) in told.items():
@@ -336,18 +337,25 @@ class MeshSearch:
         best = np.where(found.size > 0, found.gain, 0.0).max(axis=1)
         return tuple(places[k] for k in np.argsort(-best)[:FEW])
 
-    def sized(self, kind: str, where: Where, first: float, octaves: Array = OCTAVES, *, nearer: int = 0) -> tuple[float, float]:
-        """Evidence [nats] and size of a mass or a spring at one place, without the first order.
+    def sized(
+        self, kind: str, place: int | str, first: float, octaves: Array = OCTAVES, *, nearer: int = 0
+    ) -> tuple[float, float]:
+        """Evidence [nats] and size of a mass or a spring at a node or a place with a name, without the first order.
 
-        Tolerances follow to first order what the effect does at each size, all of the sign of its size to `first` order.
+        Tolerances follow to first order what the effect does at each size, all of the sign of its size to `first` order. No
+        more is missing than is `removable`.
 
         Parameters
         ----------
         octaves : sizes, as powers of two of what is plausible
         nearer : how often the top of the parabola over the best of them and its neighbours is asked, too
         """
+        if isinstance(place, str):
+            where, point = _named([place]), position_of(self.whole.structure, place)
+        else:
+            where, point = self.at(np.array([place])), self.points[place]
         spread = float(self.plausible(where)[kind][0])
-        sign = -1 if first < 0 else 1
+        sign, most = (-1, removable(self.whole.structure, point)) if first < 0 else (1, np.inf)
         rows = [where(_known(one))[0] for _, one in self.tests]
         asked = tuple(row.tobytes() for row in rows)
         if asked not in self._reads:  # of every kind the same places; what each holds may be megabytes
@@ -362,6 +370,8 @@ class MeshSearch:
         def at(some: Array) -> list[tuple[float, float]]:  # what tolerances take of them, hundreds of columns, is asked at once
             told, beyond, sizes = np.full(len(some), -np.inf), dict[int, list[ComplexArray]](), np.exp2(some)
             for k, added in enumerate(sign * spread * sizes[:, None] * along):
+                if spread * sizes[k] > most:
+                    continue
                 with suppress(*BREAKDOWNS):
                     read = [one(added, 0 * added) if kind == MASS else one(0 * added, added) for one in reads]
                     beyond[k] = [left.beyond(rows) for (left, _), rows in zip(self.tests, read, strict=True)]
@@ -389,15 +399,15 @@ class MeshSearch:
     def nearby(self, kind: str, point: Array, size: float) -> tuple[int, float, float]:
         """The best node that is reached from `point` (3,), where `size` is that, its evidence [nats] and size."""
         node = int(np.argmin(np.linalg.norm(self.points - point, axis=1)))
-        best = (*self.sized(kind, self.at(np.array([node])), size), node)
+        best = (*self.sized(kind, node, size), node)
         for k, step in enumerate(STEPS):
             away = np.linalg.norm(self.points - self.points[best[2]], axis=1) / np.ptp(self.points, axis=0).max()
             near = np.argsort(away)[: int(np.sum(away <= step))]  # itself, too, at nearer sizes
             asked = np.unique(near[np.linspace(0, len(near) - 1, AROUND).astype(np.int64)])
             at = np.log2(abs(best[1]) / self.plausible(self.at(np.array([best[2]])))[kind][0])
             some = at + NARROW * max(0.5**k, NEAREST)
-            told = [self.sized(kind, self.at(np.array([one])), size, some, nearer=NEARER if k else 0) for one in asked]
-            best = max([best, *((*one, node) for one, node in zip(told, asked.tolist(), strict=True))])
+            told = [(*self.sized(kind, one, size, some, nearer=NEARER if k else 0), one) for one in asked.tolist()]
+            best = max([best, *told])
         return best[2], best[0], best[1]
 
     def best_node(self, scores: NodeScores, kind: str, *, far: bool = False) -> tuple[int, float, float]:
@@ -409,7 +419,7 @@ class MeshSearch:
             return best, float(evidence[best]), float(size[best])
         asked = [(one, size[one]) for one in scores.standing_out(kind).tolist()]
         asked += [(one, sign) for one in self.surveyed.tolist() for sign in (1.0, -1.0)[: 1 + (kind == MASS)]] if far else []
-        _, found, node = max((*self.sized(kind, self.at(np.array([one])), first), one) for one, first in asked)
+        _, found, node = max((*self.sized(kind, one, first), one) for one, first in asked)
         return self.nearby(kind, self.points[node], found)
 
     def twins(self, kind: str, named: Named) -> tuple[Named, ...]:
@@ -423,8 +433,8 @@ class MeshSearch:
         octaves = np.log2(abs(named.value) / self.plausible(self.at(some))[kind])
         values = [named.value, -named.value] if kind == MASS else [named.value]
         each = [
-            [self.sized(kind, self.at(np.array([one])), value, octave)[0] for value in values]
-            for one, octave in zip(some, octaves[:, None], strict=True)
+            [self.sized(kind, one, value, octave)[0] for value in values]
+            for one, octave in zip(some.tolist(), octaves[:, None], strict=True)
         ]
         gains, sides = np.max(each, axis=1), np.argmax(each, axis=1)
         around = tree.query(self.points[some], k=min(NEIGHBOURS, len(some)))[1]
@@ -442,12 +452,8 @@ class MeshSearch:
         names = [name for name in self.structure.nominal.places if position(name) is None]
         if not names or kind == RESONATOR:
             return "", 0.0
-
-        def at(some: Sequence[str]) -> Where:
-            return lambda of: np.stack([of.nominal.places[name] for name in some])
-
-        first, size = self.told(at(names), ())[kind]
-        gain, name = max((self.sized(kind, at([names[k]]), size[k])[0], names[k]) for k in np.argsort(-first)[:FEW].tolist())
+        first, size = self.told(_named(names), ())[kind]
+        gain, name = max((self.sized(kind, names[k], size[k])[0], names[k]) for k in np.argsort(-first)[:FEW].tolist())
         return name, gain
 
     @cached_property
@@ -461,6 +467,10 @@ def nodes_of(one: Prediction) -> ReducedStructure | None:
     of = one.structure if isinstance(one, OnNodes) else None
     whole = of.reduced if of is not None and of.scaled else None
     return whole if whole is not None and len(whole.nodes()[0]) else None
+
+
+def _named(places: Sequence[str]) -> Where:
+    return lambda of: np.stack([of.nominal.places[name] for name in places])
 
 
 def _known(one: OnNodes) -> Nuisances:
@@ -479,13 +489,19 @@ def _resonator(frequency: Array, own: float, ratio: float) -> ComplexArray:
     return np.asarray(spring / (spring - frequency**2))
 
 
-def found_nodes(candidate: Candidate, *, far: bool = False) -> tuple[tuple[NodeScores, ...], tuple[FoundNode, ...]]:
-    """What the data say of all nodes beside the fit of `candidate`, and of every kind that explains anything the best node."""
-    every, found = [], []
-    for search in MeshSearch.of(candidate):
-        scores = search.scores()
+def found_nodes(
+    candidate: Candidate, progress: Callable[[float], None] = lambda share: None, *, far: bool = False
+) -> tuple[tuple[NodeScores, ...], tuple[FoundNode, ...]]:
+    """What the data say of all nodes beside the fit of `candidate`, and of every kind that explains anything the best node;
+    `progress` hears the share done."""
+    every, found = list[NodeScores](), list[FoundNode]()
+    wholes = {id(whole.structure.stiffness) for one in candidate.problem.predictions if (whole := nodes_of(one))}
+    for k, search in enumerate(MeshSearch.of(candidate)):
+        done = partial(lambda before, share: progress((before + share / 2) / len(wholes)), k)
+        scores = search.scores(done)
         every.append(scores)
-        for kind, evidence in scores.evidence.items():
+        for asked, (kind, evidence) in enumerate(scores.evidence.items()):
+            done(1 + asked / len(scores.evidence))
             if evidence.max() < PROMISING:
                 continue
             node, gain, size = search.best_node(scores, kind, far=far)
@@ -510,14 +526,18 @@ def found_nodes(candidate: Candidate, *, far: bool = False) -> tuple[tuple[NodeS
 
 
 def without_a_name(
-    data: Study, base: Candidate, nodes: Sequence[FoundNode], wanted: Callable[[Named], bool] = lambda named: True
+    data: Study,
+    base: Candidate,
+    nodes: Sequence[FoundNode],
+    wanted: Callable[[Named], bool] = lambda named: True,
+    progress: Callable[[float], None] = lambda share: None,
 ) -> tuple[FoundNode, ...]:
     """Of the kinds of `nodes` the places that are worth a fit although they have no name: they would explain what is worth a
     parameter, and what no place that has a name explains as well. As a fit of all tolerances left them, the best first.
 
     A large fault has the fit without it move tolerances far, and then a node is not seen where it is. So the mesh is asked from
     the tolerances as they are declared, too; the best places are fitted, and the mesh is asked again around each with the
-    tolerances as they are beside the effect.
+    tolerances as they are beside the effect. `progress` hears the share done.
     """
     seen = [one for one in nodes if _is_worth(one)]
     if not seen and goodness_of_fit(base.fit, base.problem).null:
@@ -525,11 +545,14 @@ def without_a_name(
     found, stood = dict[str, FoundNode](), dict[str, Candidate]()
     asked, tried = set[str](), list[CandidateFit]()
     at_home = replace(base, fit=_standing(base.problem, base.fit, base.problem.start))
-    declared = [one for one in found_nodes(at_home, far=True)[1] if wanted(one.named) and _is_worth(one)]
+    declared = found_nodes(at_home, lambda share: progress(share / 2), far=True)[1]
+    declared = tuple(one for one in declared if wanted(one.named) and _is_worth(one))
     # A resonator far above the band is a mass, and takes a fit of three sizes: it comes last, where it promises more than those
     both = [each for some in (seen, declared) for each in [one for one in some if one.kind != RESONATOR][:FEW]]
     both += [each for each in seen if each.kind == RESONATOR]
-    for one, here in [(each, named) for each in both for named in (each.named, each.straight) if named is not None]:
+    begins = [(each, named) for each in both for named in (each.named, each.straight) if named is not None]
+    for k, (one, here) in enumerate(begins):
+        progress((1 + k / len(begins)) / 2)
         kind, most = one.kind, -np.inf
         if kind == RESONATOR and any(one.evidence < each.evidence + INDISTINGUISHABLE_NATS for each in found.values()):
             continue
@@ -604,7 +627,9 @@ def elsewhere(data: Study, rest: Candidate, there: Candidate) -> tuple[tuple[Stu
     without = replace(rest, fit=_standing(rest.problem, rest.fit, offsets))
     found, named = dict[str, tuple[Added, float]](), position(here)
     for search in (*MeshSearch.in_place_of(data, there, rest.fit.cost - there.fit.cost), *MeshSearch.of(without)):
-        point = places_of(search.whole.structure).get(here) if named is None else np.array(named)
+        point = None if named is None else np.array(named)
+        if here in search.whole.structure.places:
+            point = position_of(search.whole.structure, here)
         if point is None:
             continue
         node, _, size = search.nearby(kind, point, added.named.value)
@@ -655,16 +680,7 @@ def _is_worth(node: FoundNode) -> bool:
 
 def nearest_place(structure: Structure, point: Array) -> tuple[str, float | None]:
     """The named place of `structure` nearest to `point` (3,) [m], and its distance [m]; empty where none has coordinates."""
-    away = {name: float(np.linalg.norm(place - point)) for name, place in places_of(structure).items()}
+    named = {name: position_of(structure, name) for name in structure.places if position(name) is None}
+    away = {name: float(np.linalg.norm(place - point)) for name, place in named.items() if place is not None}
     nearest = min(away, key=away.__getitem__, default="")
     return nearest, away.get(nearest)
-
-
-def places_of(structure: Structure) -> dict[str, Array]:
-    """(3,) [m] by name of the places of `structure` that are names, by what the six rigid motions make of them."""
-    found = {}
-    for name, rows in structure.places.items():
-        moved = np.asarray(rows @ structure.rigid)
-        if position(name) is None and np.allclose(moved[:, :3], np.eye(3), atol=1e-6):  # one that nothing holds
-            found[name] = structure.reference_point + moved[[1, 2, 0], [5, 3, 4]]
-    return found

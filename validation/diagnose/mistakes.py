@@ -353,11 +353,7 @@ def mistakes(data: Study) -> tuple[Cause, ...]:
             causes.append(_cause("channel-swap", (channels[c], channels[swapped]), each.gain + taken[swapped].gain))
     for each in taken:
         if (value := abs(each.factor)) != 1:
-            said, true = each.units
-            half = 0.0 if said else NORMAL_90 * OFF * value
-            size = EffectEstimate(key="", value=value, unit="1", low=value - half, high=value + half)
-            note = f"its numbers are in {true}, and the file says {said}" if said else ""
-            causes.append(_cause("unit", (channels[each.channel],), each.gain, {"": value}, (size,), note))
+            causes.append(_unit_cause(channels[each.channel], value, each.units, each.gain))
     return tuple(causes)
 
 

@@ -256,12 +256,7 @@ class _QuadraticCost:
         cost = cost_of(problem, free, FLOOR)
         x = cost.at(of.fit.by_name)
         data, count = cost.data(x), len(problem.facts)
-        left, rows = (each[len(each) - count :] for each in cost.knowledge(x))
-        whole = Normal(
-            cost=data.cost + 0.5 * float(left @ left),
-            gradient=data.gradient + rows.T @ left,
-            matrix=data.matrix + rows.T @ rows,
-        )
+        whole = data.beside(*(each[len(each) - count :] for each in cost.knowledge(x)))
         precision = np.array([admitted.get(one.name, 0.0) for one in free])
         with np.errstate(divide="ignore"):
             return cls(of=of, parameters=free, x=x, data=whole, precision=precision**-2.0)

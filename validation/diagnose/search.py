@@ -39,14 +39,7 @@ from validation.diagnose.candidate_fits import (
     recentred,
     restarted_from_priors,
 )
-from validation.diagnose.candidates import (
-    SIZE_OCTAVES,
-    TINY_AT,
-    aliases,
-    is_resonator,
-    screen,
-    screened_resonators,
-)
+from validation.diagnose.candidates import SIZE_OCTAVES, TINY_AT, aliases, is_resonator, screen, screened_resonators
 from validation.diagnose.diagnosis import Candidate, FoundNode, Screened
 from validation.diagnose.landmark_search import DistantView, FromAfar
 from validation.diagnose.reduction_errors import swinging_with
@@ -604,12 +597,7 @@ def _fits_in_band(
 
 
 def _restarted_where_stuck(
-    data: Study,
-    at: Candidate,
-    here: GoodnessOfFit,
-    tried: Sequence[CandidateFit],
-    found: Sequence[Screened],
-    progress: Progress,
+    data: Study, at: Candidate, here: GoodnessOfFit, tried: Sequence[CandidateFit], found: Sequence[Screened], progress: Progress
 ) -> list[CandidateFit]:
     """The fits, the best first; restarted from the priors where all fell short of a promise and something must be missing."""
     ranked, promised = sorted(tried, key=lambda each: -each.evidence), {one.id: one.evidence for one in found}

@@ -156,9 +156,9 @@ def folds(problem: Problem) -> tuple[Fold, ...]:
     found = []
     for one in problem.predictions:
         if len(one.measured.runs) > 1:
-            found += [
-                Fold(name=f"run {run} of {one.measured.name}", runs={one.measured.name: (run,)}) for run in one.measured.runs
-            ]
+            for run in one.measured.runs:
+                said = f"{'' if run.startswith('mode ') else 'run '}{run} of {one.measured.name}"
+                found.append(Fold(name=said, runs={one.measured.name: (run,)}))
     configurations = dict.fromkeys(one.measured.configuration for one in problem.predictions)
     if len(configurations) > 1:
         for configuration in configurations:

@@ -14,6 +14,7 @@ standard deviations of the minimum that the long way finds.
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
 from math import inf
 
@@ -384,19 +385,17 @@ def child(
     """
     cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor, plain=SENSOR not in kinds)
     cost, null = replace(cost, worth=min(worth, parent.cost)), parents_point(cost.free, parent)
-    ends: list[End] = []
-    with suppress(CheckFailed):
-        begin = {**null, **start}
-        if from_afar:
-            ends.append(annealed(cost, begin, lambda share: None, most=TRIAL, steps=TRIAL))
-        else:
-            ends.append(direct(cost, begin, lambda share: None, close=close, most=TRIAL, again=1))
-    if not ends or ends[0].whole.cost > parent.cost:
-        try:
+    down = partial(annealed, steps=TRIAL) if from_afar else partial(direct, close=close, again=1)
+    ends, broken = list[End](), None
+    try:
+        ends.append(down(cost, {**null, **start}, lambda share: None, most=TRIAL))
+    except CheckFailed as error:
+        broken = error
+    if broken or ends[0].whole.cost > parent.cost:
+        with suppress(*BREAKDOWNS):  # over other coordinates than its parent's
             ends.append(ended(cost, null, converged=False))
-        except BREAKDOWNS as error:  # over other coordinates than its parent's
-            if not ends:
-                raise CheckFailed(f"the model breaks down where its fit begins: {error}") from error
+    if broken and not ends:
+        raise broken
     return fitted(min(ends, key=lambda one: one.whole.cost))
 
 

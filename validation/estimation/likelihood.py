@@ -303,14 +303,8 @@ class Cost:
     def total(self, x: Array, data: Normal | None = None) -> tuple[Normal, Normal, float]:
         """At `x` (p,): all as one, the `data` alone, which may be known already, and chi² of data and facts."""
         data = self.data(x) if data is None else data
-        away, rows = self.knowledge(x)
-        whole = Normal(
-            cost=data.cost + 0.5 * float(away @ away),
-            gradient=data.gradient + rows.T @ away,
-            matrix=data.matrix + rows.T @ rows,
-        )
         left, _ = self._facts(x)
-        return whole, data, 2 * data.cost + float(left @ left)
+        return data.beside(*self.knowledge(x)), data, 2 * data.cost + float(left @ left)
 
     def size(self, x: Array) -> int:
         """Real numbers that the data leave when latent inputs are taken out, and the facts; counted at `x` (p,)."""

@@ -256,7 +256,7 @@ class Problem:
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The union of all, by name; of the tolerance of a sensor or an effect that is stated twice the smaller one.
+        """The union of all, by name; of a sensor or an effect that is stated twice the smaller tolerance and the higher floor.
 
         Raises
         ------
@@ -269,9 +269,14 @@ class Problem:
                 first, said_by = found.setdefault(parameter.name, (parameter, source))
                 if first is parameter or said_alike(first) == said_alike(parameter):
                     continue
-                # One sensor, stated twice; an effect that one data set shows more of; an FMD that one identifies: both are true
-                alike = said_alike(replace(parameter, tolerance=first.tolerance)) == said_alike(first)
-                if (alike and first.kind in (SENSOR, EFFECT)) or {first.kind, parameter.kind} == {IDENTIFIED, DECLARED}:
+                # One sensor, stated twice; an effect that one data set shows more of, or one structure can lose less of; an
+                # FMD that one identifies: both are true
+                least, low = min(first.tolerance, parameter.tolerance), max(first.low, parameter.low)
+                both, other = (replace(one, tolerance=least, low=low) for one in (first, parameter))
+                if first.kind in (SENSOR, EFFECT) and said_alike(both) == said_alike(other):
+                    found[parameter.name] = (both, said_by)
+                    continue
+                if {first.kind, parameter.kind} == {IDENTIFIED, DECLARED}:
                     if parameter.tolerance < first.tolerance or parameter.kind == IDENTIFIED:
                         found[parameter.name] = (parameter, source)
                     continue

@@ -18,7 +18,7 @@ from validation.estimation import evaluate, verdicts
 from validation.estimation import problem as estimation
 from validation.estimation.fit import start
 from validation.history import history
-from validation.history.history import Body, Conditions, Errors, HistoryPosition, Version, VersionSize
+from validation.history.history import BOTH_FITS, Body, Conditions, Errors, HistoryPosition, Version, VersionSize
 from validation.history.verdict import NOTICED, Alias, alias, at_offsets, body_of, kept_offsets, noticed, sentence, verdict
 from validation.model import model_file
 from validation.model.model import Added, Model
@@ -315,6 +315,7 @@ def rung_with(rung: Version, of: EvaluatedModel) -> Version:
         expected_z2=verdicts.expected_z2(told.fitted),
         largest_z=verdicts.largest_z(told.fitted),
         converged=told.plain_fit.converged and told.fitted.converged,
+        unfinished=tuple(name for name, fit in zip(BOTH_FITS, (told.plain_fit, told.fitted), strict=True) if not fit.converged),
         held_out_names=told.held_out_names,
         by_channel=dict(told.plain.by_channel),
         by_fold={} if told.held_out is None else dict(told.held_out.by_fold),

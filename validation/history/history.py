@@ -78,6 +78,10 @@ class Conditions:
         return mine == its
 
 
+BOTH_FITS = ("plain", "fitted")
+"""Of identified and declared numbers alone, and of every tolerance."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Errors:
     """The four errors of a rung.
@@ -92,6 +96,7 @@ class Errors:
         were written before these were kept
     log_evidence : [nats], up to a constant of the data
     converged : whether both fits ended by themselves
+    unfinished : those of `BOTH_FITS` that did not
     held_out_names : what was held out
     by_channel : plain error of every judged channel on the data that were fitted, their squares adding to its own
     by_fold : plain error on everything that was held out together
@@ -109,6 +114,7 @@ class Errors:
     expected_z2: float | None = entry("tolerance_z2_expected", later=True, default=None)
     largest_z: float | None = entry(later=True, default=None)
     converged: bool = True
+    unfinished: tuple[str, ...] = entry(rare=True, default=())
     held_out_names: tuple[str, ...] = entry("held_out", default=())
     by_channel: Mapping[str, float] = entry("plain_percent_by_channel", default_factory=lambda: MappingProxyType({}))
     by_fold: Mapping[str, float] = entry("heldout_percent_by_fold", later=True, default_factory=lambda: MappingProxyType({}))
@@ -318,7 +324,7 @@ class Ladder:
 #                 "effects": {ID: [{"key", "value", "sd": number|null, "unit"}]},
 #                 "errors": {"nominal_percent", "plain_percent", "heldout_nominal_percent", "heldout_percent", "fitted_chi2",
 #                            "fitted_degrees_of_freedom", "tolerance_z2", "tolerances", "log_evidence_nats", "converged",
-#                            "tolerance_z2_expected": number|null, "largest_z": number|null,
+#                            "unfinished": ["plain", "fitted"], "tolerance_z2_expected": number|null, "largest_z": number|null,
 #                            "held_out": [NAME], "plain_percent_by_channel": {CHANNEL: number},
 #                            "heldout_percent_by_fold": {NAME: number}} or null; what was not held out is null,
 #                 "evidence_gain_nats": number|null, "verdict": [TEXT],

@@ -20,6 +20,7 @@ from identification.request import CONDITION_LIMIT, Fact, Request, Tare
 from validation.classical import files, pendulum, weigh
 from validation.classical.files import Fields, Reduction, read
 from validation.model.setups import above_fmd, known, stated
+from validation.study import require_band
 
 # Weighing, CoG and pendulum results as data of an identification, the combined approach of the paper's conclusions.
 #
@@ -186,9 +187,7 @@ class IdentifyOptions:
             problem = f"a share above 0 and below 1 is expected, found {self.known_tolerance}"
             raise BadInput(source="--known-tolerance", problem=problem, remedy=f'Write for example "{KNOWN}"')
         band = self.band
-        if band is not None and not (0 < band[0] < band[1] and isfinite(band[1])):
-            problem = f"two frequencies, the lower one first and above 0 Hz, are expected, found {band[0]:g} {band[1]:g}"
-            raise BadInput(source="--band", problem=problem, remedy="Write for example --band 4 32")
+        require_band(band)
         if band is not None and self.study and band[1] < NARROWEST * band[0]:
             problem = f"{band[0]:g} to {band[1]:g} Hz is too narrow for the band study, which needs {NARROWEST:g} times its start"
             raise BadInput(source="--band", problem=problem, remedy="Choose a wider band, or leave the study out with --no-study")

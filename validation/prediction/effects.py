@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from fem.damping import ASSUMED_WITHIN, DEFAULT_RATIO
+from fem.structure import position_of, removable
 from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.frames import Array
 from validation.effects.catalogue import FAMILIES, Named, There, acts, there
-from validation.effects.effect import BODY_STAGE, CHANNEL_STAGE, OPENED, STRUCTURE_STAGE, Family, SizeSpec
+from validation.effects.effect import BODY_STAGE, CHANNEL_STAGE, OPENED, STRUCTURE_STAGE, Family, SizeSpec, position
 from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicMass, Shares
 from validation.estimation.problem import DECLARED, EFFECT, STRUCTURAL, WITHIN, Offsets, Parameter, Wanted, is_wanted
 from validation.model.model import Added, StructureTolerances
@@ -300,15 +301,7 @@ class Nuisances:
                 mass[b + r, a] += more
         S = (D * E)[:, None] * S * (D * E)
         structural, viscous = self.coupling(offsets)
-        made = replace(
-            m,
-            mass=mass,
-            stiffness=stiffness,
-            structural=S + structural,
-            viscous=C + viscous,
-            parts=parts,
-            lossier=D,
-        )
+        made = replace(m, mass=mass, stiffness=stiffness, structural=S + structural, viscous=C + viscous, parts=parts, lossier=D)
         losses = {part: eta * (1 + offsets.get(f"loss:{part}", 0.0)) for part, eta in self.losses.items()}
         return _Now(of=self, matrices=made, E=E, D=D, uncoupled=C, lost=S, losses=losses, offsets=offsets)
 
@@ -705,6 +698,10 @@ def _free(added: Added) -> tuple[SizeSpec, ...]:
 
 def _parameter(named: Named, size: SizeSpec, structure: Nuisances | None = None) -> Parameter:
     value = named.values[size.key]
+    if structure is not None and structure.reduced is not None and (named.family, size.unit) == ("point-mass", "kg"):
+        whole, at = structure.reduced.structure, position(named.target)
+        known = position_of(whole, named.target) if at is None and named.target in whole.places else at
+        size = replace(size, low=max(size.low, min(value, -removable(whole, known))))
     made = Parameter(
         name=name(named, size.key),
         unit=size.unit,

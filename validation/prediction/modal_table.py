@@ -370,12 +370,7 @@ class TableFrequencies(_TablePart):
     """A model of the frequencies and damping ratios of a table: a `validation.estimation.problem.Prediction`, one run a mode."""
 
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
-        """The prediction at `offsets`; a table has one line.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError, ValueError, FloatingPointError : the model breaks down there.
-        """
+        """As of any prediction; a table has one line."""
         known = {**offsets, **self._opened[1]}
         modes, of, moved, _ = self.found(known, derivatives=derivatives)
         wanted, lines_count = len(self.measured.channels), 1 if lines is None else len(lines)
@@ -423,12 +418,7 @@ class TableShapes(_TablePart):
     """A model of the shapes of a table at its sensors: a `validation.estimation.problem.Prediction`, one run a mode."""
 
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
-        """The prediction at `offsets`; a table has one line.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError, ValueError, FloatingPointError : the model breaks down there.
-        """
+        """As of any prediction; a table has one line."""
         known = {**offsets, **self._opened[1]}
         modes, of, changed, effects = self.found(known, derivatives=derivatives)
         count = 1 if lines is None else len(lines)

@@ -149,6 +149,7 @@ class MountedArticle:
     part_tolerances : as in `fem.structure.Structure`
     pose : where its frame sits, seen from F
     sensors : by name of an accelerometer on it, the place of `matrices` that it reads
+    unread : names of those of which nobody knows what moves there
     remarks : what was assumed, sentences
     """
 
@@ -162,6 +163,7 @@ class MountedArticle:
     part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
     pose: Pose
     sensors: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    unread: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
 
     @property
@@ -217,9 +219,10 @@ def mounted_article(model: Model, campaign: Campaign, highest: float = 0.0) -> M
         positions=positions_on(model, own) if own else (),
     )
     found = _made(replace(recipe, sensors=tuple(dict.fromkeys(there.values()))))
-    unread = [_unread(recipe, campaign.source, name, place) for name, place in at.items() if name not in there]
-    said = (*said, *unread, *_riding(recipe, campaign.source, there), *((OF_SENSORS,) if there else ()))
-    return replace(found, pose=pose, sensors=there, remarks=said)
+    unread = tuple(name for name in at if name not in there)
+    why = [_unread(recipe, campaign.source, name, at[name]) for name in unread]
+    said = (*said, *why, *_riding(recipe, campaign.source, there), *((OF_SENSORS,) if there else ()))
+    return replace(found, pose=pose, sensors=there, unread=unread, remarks=said)
 
 
 def _places_of_accelerometers(campaign: Campaign) -> dict[str, str]:

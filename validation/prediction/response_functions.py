@@ -185,12 +185,7 @@ class ResponseFunctionTest:
         return at
 
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
-        """The prediction at `offsets` and the lines with these indices; all lines by default.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError, ValueError, FloatingPointError : the model breaks down there.
-        """
+        """As of any prediction."""
         known = {**offsets, **self._opened[1]}
         f = self.measured.frequency if lines is None else self.measured.frequency[lines]
         effects = prediction_effects.at(self.effects, known)

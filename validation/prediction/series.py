@@ -330,9 +330,7 @@ def predictions(
         done = partial(lambda before, share: tell((before + share) / count), k)
         made = measured(campaign, of, name, band=band, method=method, lines=lines, progress=done)
         driven, stands = drives(campaign, made.method), mounted_article(model, campaign, float(made.measured.frequency[-1]))
-        unread = ", ".join(
-            name for name in of.left_out if not any(said.startswith(f"accelerometer {name} ") for said in stands.remarks)
-        )
+        unread = ", ".join(name for name in of.left_out if name not in stands.unread)
         why = f"not used: {unread}, which read no motion of cover plate, table or article, and no load of the FMD"
         tested = TestedCampaign(
             model=model,
@@ -545,12 +543,7 @@ class SeriesPrediction:
     def at(
         self, offsets: problem.Offsets, lines: problem.Lines | None = None, *, derivatives: problem.Wanted = True
     ) -> problem.Predicted:
-        """The prediction at `offsets` and the lines with these indices; all lines by default.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError, ValueError, FloatingPointError : the model breaks down there.
-        """
+        """As of any prediction."""
         with np.errstate(divide="raise", over="raise", invalid="raise"):  # a breakdown is an error, and no warning on a terminal
             return self._predicted(offsets, lines, derivatives=derivatives)
 

@@ -542,6 +542,8 @@ def where_html(report: Report, figures: doc.Figures) -> doc.Safe:
 def _maps(of: Map, modes: Sequence[NamedMode], k: int, figures: doc.Figures) -> doc.Safe:
     from validation.report.charts.maps import channel_map, pair_map
 
+    if np.max(of.sigma, initial=0.0) < 1:  # all white
+        return doc.tag("p", f"No map of {of.data_set}: nothing in it reaches 1 sigma.", class_="note")
     group = f"map-{k}"
     every = {"worst": channel_map(of, modes=modes)}
     every |= {str(at): channel_map(of, at, modes=modes) for at in range(len(of.runs))}

@@ -425,7 +425,7 @@ class DiagnosisPage:
             ("where", where),
             ("size", "" if of.size is None else with_unit(f"{of.size:.3g}", of.unit)),
             ("resonance at", "" if of.frequency is None else f"{of.frequency:.2f} Hz"),
-            ("share of it that this covers", f"{100 * of.share:.0f} %"),
+            ("share of it that this covers", f"{100 * of.share:.0f} %" if of.share > 0 else ""),
         )
         kept = tuple(line for line in lines if line[1] not in ("", NONE))
         return doc.Grid(header=("leftover", "in words"), lines=kept, words=True, caption="What no effect explains")

@@ -490,7 +490,7 @@ def note_on(H: DynamicMass, about: str, frame: str = "in the article's frame") -
 ON_THE_SHEET = 11
 """Modes of Clumod with four blades up to 15.5 Hz."""
 
-NOTE = "Base held. Grey outline: at rest. A mode has no scale of its own: each is drawn with the same largest displacement."
+NOTE = "Base held. Grey outline: at rest. All are drawn with the same largest displacement."
 
 
 def require_mode(number: int, count: int) -> None:

@@ -474,11 +474,8 @@ def _heard(
             A[:, c] = heavier.accelerance(f, [rows[c]], forces)[:, 0]
     signals = np.concatenate([A, np.ones((len(f), 1, len(forces)))], axis=1)
     scale = np.array(gains, dtype=np.complex128) * np.ones((len(f), 1))
-    order = list(range(len(names)))
-    for one in plan.effects:
-        if one.family not in SENSORS or one.target not in names:
-            continue
-        k = names.index(one.target)
+    faults, order = _of_sensors(plan, names)
+    for k, one in faults:
         if one.family.endswith("-gain"):
             scale[:, k] *= 1 + one.value
         elif one.family.endswith("-delay"):
@@ -487,10 +484,16 @@ def _heard(
             scale[:, k] *= -1
         elif one.family == "unit":
             scale[:, k] *= one.value
-        elif one.family == "channel-swap":
-            other = names.index(one.targets[1])
-            order[k], order[other] = order[other], order[k]
     return np.asarray(scale[:, :, None] * signals[:, order])
+
+
+def _of_sensors(plan: StructurePlan, names: Sequence[str]) -> tuple[list[tuple[int, Named]], list[int]]:
+    """Faults of the sensors `names`, each with the place of its own, and the order in which these are plugged."""
+    faults = [(names.index(one.target), one) for one in plan.effects if one.family in SENSORS and one.target in names]
+    order = list(range(len(names)))
+    for k, other in ((k, names.index(one.targets[1])) for k, one in faults if one.family == "channel-swap"):
+        order[k], order[other] = order[other], order[k]
+    return faults, order
 
 
 def _answered(
@@ -523,15 +526,9 @@ def _table(plan: StructurePlan, lab: TestedStructure, rows: Sequence[Array]) -> 
     rng, s = plan.drawn("noise"), plan.noise * NOISE[MODES]
     gains = 1 + GAIN * plan.tolerances * plan.drawn("gains").standard_normal(len(rows))
     names = [one.name for one in plan.responses]
-    order = list(range(len(names)))
-    for one in plan.effects:
-        if one.family not in SENSORS or one.target not in names:
-            continue
-        k = names.index(one.target)
-        if one.family == "channel-swap":
-            other = names.index(one.targets[1])
-            order[k], order[other] = order[other], order[k]
-        elif one.family in ("accelerometer-gain", "polarity"):
+    faults, order = _of_sensors(plan, names)
+    for k, one in faults:
+        if one.family in ("accelerometer-gain", "polarity"):
             gains[k] *= 1 + one.value if one.family == "accelerometer-gain" else -1.0
     least = max(s, 1e-6)
     window = sum(one.value for one in plan.each("exponential-window"))

@@ -12,7 +12,7 @@ from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, ExplainedErro
 from validation.output import entry, to_json
 from validation.report import compare
 from validation.report.compare import draw
-from validation.report.document import page
+from validation.report.document import Figures, page
 
 EXPECTED = ExplainedError(measurement=1.0, with_modes=1.0)
 
@@ -50,6 +50,13 @@ def test_every_picture_is_there_and_its_names_stay_in_the_folder(found, tmp_path
     assert len(made) == 5
     assert all(path.parent == out and path.is_file() for path in made)
     assert {path.name for path in tmp_path.iterdir()} == {"pictures"}
+
+
+def test_a_map_on_which_all_is_white_is_a_sentence(found):
+    """Half a page of a bridge's report."""
+    quiet = replace(found.maps[0], expected=1e6 * np.max(np.abs(found.maps[0].deviation)) + 0 * found.maps[0].expected)
+    said = compare.document(replace(found, maps=(quiet,))).html(Figures())
+    assert any(f"No map of {quiet.data_set}: nothing in it reaches 1 sigma." in str(part) for part in said)
 
 
 def test_absurd_tolerances_fail_a_model_whose_chi2_is_good(evaluation):

@@ -1,6 +1,7 @@
 """The whole way in a small laboratory: what is missing is named, and nothing where nothing is; mistakes and levels come first."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
 from typing import Any, cast
@@ -114,6 +115,17 @@ def test_what_keeps_a_model_from_converging_is_unknown_where_nothing_from_afar_r
     text = diagnose.text_of_unknown(at, cast(Any, best), cast(Any, left))
     assert "did not converge: its next step is still many standard deviations in" in text
     assert "Where it stopped" in text
+
+
+def test_a_fit_that_does_not_end_is_no_proof_that_something_is_missing_where_chance_explains_the_rest(made, monkeypatch):
+    """Its headline said that something was, and its text that 0 nats have no name."""
+    study = made()
+    unended = replace(study.all_free(), converged=False)
+    monkeypatch.setattr(Study, "all_free", lambda study, progress=None: unended)
+    found = diagnosed(study, only=["orientation"])
+    assert (found.verdict, found.accepted, found.leftover) == (diagnosis.UNKNOWN, (), None)
+    assert diagnosis.headline(found).endswith("the model as it is did not converge, and chance would explain what is left.")
+    assert "Where it stopped chance would explain what is left" in found.text
 
 
 def test_a_size_is_what_the_data_say_however_much_smaller_a_fault_plausibly_is():

@@ -207,6 +207,13 @@ def test_mistakes_are_left_out_where_that_is_asked_and_settings_say_what_was(mad
     assert (found.settings["only"], found.settings["leave_out"]) == (["force-gain"], ["polarity"])
 
 
+def test_of_what_is_left_a_share_that_nobody_knows_is_not_told(made):
+    found = made("unknown")
+    for share, told in ((0.83, True), (0.0, False)):  # "0 %", where all that is left is told by its tolerances
+        grid = diagnose.DiagnosisPage(found=replace(found, leftover=replace(found.leftover, share=share))).leftover()
+        assert ("share of it that this covers" in [line[0] for line in grid.lines]) == told
+
+
 def test_beside_a_class_only_the_mistake_becomes_a_rung(made):
     wrong, unsure = made("mistake").accepted, made("ambiguous")
     both = replace(unsure, verdict="mistake", accepted=(*wrong, *unsure.accepted))

@@ -119,6 +119,15 @@ def test_two_data_sets_that_disagree_about_a_parameter_are_both_named(lab, chang
         Problem((one, two))
 
 
+def test_of_an_effect_on_two_structures_the_one_that_has_less_to_lose_sets_the_floor(lab):
+    one, two = (
+        lab.toy({}, name=name, parameters=(*lab.LABORATORY, replace(lab.effect("offset", width), low=-width)))
+        for name, width in (("one", 1.0), ("two", 0.5))
+    )
+    for both in ((one, two), (two, one)):
+        assert (Problem(both).by_name["offset"].low, Problem(both).by_name["offset"].tolerance) == (-0.5, 0.5)
+
+
 def test_facts_share_the_parameters_too(lab):
     class Weight:
         name = "weight of the article"

@@ -49,6 +49,9 @@ def test_by_default_each_run_and_each_configuration_is_held_out_in_turn_and_so_e
     ]
     assert len(folds(Problem((lab.toy({}),)))) == 3
     assert folds(Problem((lab.toy({}, runs=1),))) == ()
+    modes = lab.toy({}, name="table")
+    named = replace(modes, measured=replace(modes.measured, runs=("mode 1", "mode 2", "mode 3")))
+    assert [fold.name for fold in folds(Problem((named,)))] == ["mode 1 of table", "mode 2 of table", "mode 3 of table"]
     count = sum(len(part.measured.runs) for fold in folds(series) for part, _ in held(series, fold))
     assert count == 2 * 6
 

@@ -169,7 +169,7 @@ def add_entry(figure: Figure, panel: spec.EntryPanel, row: int, column: int, *, 
     figure.across(range=ends, showticklabels=False, row=row, column=column)
     figure.across(range=ends, **named, row=row + 1, column=column)
     figure.up(title={"text": f"|H| [{panel.unit}]"}, **decades(low, high), row=row, column=column)
-    phases = {"range": [-190, 190], "tickvals": [-180, -90, 0, 90, 180]}
+    phases = {"range": [-190, 190], "tickvals": [-180, 0, 180]}
     figure.up(title={"text": "phase [°]"}, **phases, row=row + 1, column=column)
 
 

@@ -149,13 +149,16 @@ def _draw(plotter: scene.Plotter, bodies: Sequence[MovingBody], factor: float, m
 
 COLUMNS = 4
 TILE = (400, 500)
-CAPTION = 62
+CAPTION = 104
 """Pixels above a tile for number, frequency and words."""
+
+LETTERS = 22
+"""[pixel] of a sheet of `COLUMNS`, which is 182 mm wide on paper: 7 pt there. Held by tests/validation/test_mode_pictures.py."""
 
 MEANS = "displacement over its largest"
 """What the colours of a mode are."""
 
-HEAD, FOOT = 78, 66
+HEAD, FOOT = 78, 108
 MARGIN = 14.0
 
 FRAMES = 24
@@ -224,17 +227,18 @@ def mode_sheet(
         x = k % columns * TILE[0]
         y = HEAD + k // columns * (TILE[1] + CAPTION)
         canvas.imshow(tile, extent=(x, x + TILE[0], y + CAPTION + TILE[1], y + CAPTION), interpolation="none")
-        scene.write(canvas, x + 24, y + 16, mode.caption, 19, weight="bold", va="center")
-        for j, tile_line in enumerate(textwrap.wrap(mode.text, 50, max_lines=2, placeholder=" …")):
-            scene.write(canvas, x + 24, y + 38 + 16 * j, tile_line, 13, FAINT, va="center")
+        scene.write(canvas, x + 24, y + 16, mode.caption, LETTERS + 2, weight="bold", va="center")
+        for j, tile_line in enumerate(textwrap.wrap(mode.text, 30, max_lines=2, placeholder=" …")):
+            scene.write(canvas, x + 24, y + 46 + 27 * j, tile_line, LETTERS, FAINT, va="center")
     # What the colours mean
-    axes = figure.add_axes(((width - 330) / width, 34 / height, 290 / width, 12 / height))
+    points = LETTERS * 72 / scene.DPI
+    axes = figure.add_axes(((width - 380) / width, 46 / height, 340 / width, 16 / height))
     bar = ColorbarBase(axes, cmap=colour_map(), orientation="horizontal", ticks=[0, 0.5, 1])
-    bar.ax.tick_params(labelsize=8.5, colors=FAINT, length=2, pad=2)
+    bar.ax.tick_params(labelsize=points, colors=FAINT, length=2, pad=2)
     bar.outline.set_visible(False)
-    axes.set_title(means, fontsize=9, color=FAINT, pad=4)
-    for i, line in enumerate(textwrap.wrap(note, (width - 420) // 8, max_lines=2, placeholder=" …")):
-        scene.write(canvas, 24, height - FOOT + 26 + 20 * i, line, 14, FAINT, va="center")
+    axes.set_title(means, fontsize=points, color=FAINT, pad=5)
+    for i, line in enumerate(textwrap.wrap(note, (width - 470) // 12, max_lines=3, placeholder=" …")):
+        scene.write(canvas, 24, height - FOOT + 22 + 30 * i, line, LETTERS, FAINT, va="center")
     more = {"metadata": {ABOUT: about}} if about else {}
     save(path, lambda temporary: figure.savefig(temporary, dpi=scene.DPI, **more))
 
