@@ -205,8 +205,7 @@ def mounted_article(model: Model, campaign: Campaign, highest: float = 0.0) -> M
         )
     reach = [run.excitation.band[1] for run in campaign.runs if run.excitation is not None and run.excitation.band is not None]
     reach += [float(one.frequency[-1]) for one in campaign.recordings.values() if one.frequency is not None and not reach]
-    at = _places_of_accelerometers(campaign)
-    there = read_on_article(model, campaign)
+    there, unread = accelerometers(model, campaign)
     recipe = _Recipe(
         article=article,
         kind=model.kind,
@@ -219,30 +218,24 @@ def mounted_article(model: Model, campaign: Campaign, highest: float = 0.0) -> M
         positions=positions_on(model, own) if own else (),
     )
     found = _made(replace(recipe, sensors=tuple(dict.fromkeys(there.values()))))
-    unread = tuple(name for name in at if name not in there)
-    why = [_unread(recipe, campaign.source, name, at[name]) for name in unread]
+    why = [_unread(recipe, campaign.source, *one) for one in unread.items()]
     said = (*said, *why, *_riding(recipe, campaign.source, there), *((OF_SENSORS,) if there else ()))
-    return replace(found, pose=pose, sensors=there, unread=unread, remarks=said)
+    return replace(found, pose=pose, sensors=there, unread=tuple(unread), remarks=said)
 
 
-def _places_of_accelerometers(campaign: Campaign) -> dict[str, str]:
-    """By name of an accelerometer on the article where it is, in the article's frame."""
-    table, back = campaign.table, mounted(campaign)[0].inverse
-    upon = [table.channels[k] for k in table.select(group="article", quantity="acceleration")]
-    return {one.name: at_position(back.apply(one.places[0].position - table.origin).tolist()) for one in upon if not one.is_sum}
-
-
-def read_on_article(model: Model, campaign: Campaign) -> dict[str, str]:
-    """By name of an accelerometer on the article the place that it reads, of those whose motion `model` knows.
+def accelerometers(model: Model, campaign: Campaign) -> tuple[dict[str, str], dict[str, str]]:
+    """By name the places of those on the article, in its frame: where `model` knows what moves there, and where it does not.
 
     Raises
     ------
     BadInput : a model of the user's own that cannot be used.
     """
-    at, article = _places_of_accelerometers(campaign), above_fmd(campaign.article)
-    own = _own(model, article, campaign.article) if at and article else ""
-    known = _known(own, stamp(own), tuple(at.values())) if own and model.kind != RIGID else set(at.values())
-    return {name: place for name, place in at.items() if article and place in known}
+    table, back, article = campaign.table, mounted(campaign)[0].inverse, above_fmd(campaign.article)
+    upon = [table.channels[k] for k in table.select(group="article", quantity="acceleration") if article]
+    at = {one.name: at_position(back.apply(one.places[0].position - table.origin).tolist()) for one in upon if not one.is_sum}
+    own = _own(model, article, campaign.article) if at else ""
+    known = _known(own, stamp(own), tuple(at.values())) if own and model.kind != RIGID else {*at.values()}
+    return {name: one for name, one in at.items() if one in known}, {name: one for name, one in at.items() if one not in known}
 
 
 @lru_cache(maxsize=16)

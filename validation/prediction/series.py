@@ -39,7 +39,7 @@ from validation.model.tolerance_classes import METROLOGY
 from validation.prediction import dynamic_mass
 from validation.prediction import effects as prediction_effects
 from validation.prediction.dynamic_mass import AttachedResponse, BaseDrive, Finite, SolvedStructure, SupportedDynamicMass, drives
-from validation.prediction.mounting import MountedArticle, mounted_article, moving_part, read_on_article
+from validation.prediction.mounting import MountedArticle, accelerometers, mounted_article, moving_part
 
 # The measurement chain of one campaign as a model knows it, in the engine's words.
 
@@ -73,7 +73,7 @@ def _chain(model: Model, campaign: Campaign, overrides: Mapping[str, float]) -> 
         stiffness=model.cell_stiffness if on_fmd(campaign) else inf,
         gravity=campaign.gravity,
         overrides=overrides,
-        on_article=tuple(read_on_article(model, campaign)),
+        on_article=tuple(accelerometers(model, campaign)[0]),
     )
 
 

@@ -235,7 +235,8 @@ class TestedStructure:
         values, turned, _ = self.lossy
         hertz, eta = np.sqrt(np.maximum(values.real, 0)) / (2 * np.pi), values.imag / np.maximum(values.real, 1e-30)
         inside = [int(k) for k in np.argsort(hertz) if low <= hertz[k] <= high]
-        shapes = ((np.array(rows) @ self.modes[1]) @ turned[:, inside]).real.T
+        complex_shapes = (np.array(rows) @ self.modes[1]) @ turned[:, inside]
+        shapes = (complex_shapes * np.exp(-0.5j * np.angle(np.sum(complex_shapes**2, axis=0)))).real.T  # in phase
         seen = np.abs(shapes).max(axis=1) > UNSEEN * np.abs(self.modes[1] @ turned[:, inside]).max(axis=0)
         inside, shapes = [k for k, is_seen in zip(inside, seen, strict=True) if is_seen], shapes[seen]
         # A shape has no sign; that of its largest entry is +, so that noise upon it is the same in every run
