@@ -165,7 +165,7 @@ class Nuisances:
             name = f"density:{self.configuration}"
             made.append(Parameter(name=name, unit="1", tolerance=self.weighed if len(modes) else 0.0, kind=STRUCTURAL))
         between = {f"coupling:{self.configuration}:{r + 1}:{s + 1}": of.mode_coupling for r, s in self.pairs}
-        for r, s in () if self.nominal.base else self.pairs:
+        for r, s in self.mixed:
             between[f"mixing:{self.configuration}:{r + 1}:{s + 1}"] = sqrt(2 * known[r] * known[s])
         made += [Parameter(name=name, unit="1", tolerance=one, kind=STRUCTURAL) for name, one in between.items()]
         if self.unchanged:
@@ -240,14 +240,18 @@ class Nuisances:
 
     @cached_property
     def pairs(self) -> tuple[tuple[int, int], ...]:
-        """Pairs of modes, from 0, that may lose together, and without a base turn into each other: neighbours, and what a mesh
-        turns, which takes its losses with it."""
+        """Pairs of modes, from 0, that may lose together: neighbours, and what a mesh turns, which takes its losses with it."""
         f = self.frequency
-        unsure = self.apart_by_mesh if self.tolerances.frequency and not self.nominal.base else 0 * f
+        unsure = self.apart_by_mesh if self.tolerances.frequency else 0 * f
         close = np.abs(f - f[:, None]) <= NEIGHBOURS * np.maximum(f, f[:, None])
         turned = np.sqrt(2 * unsure * unsure[:, None]) * f * f[:, None] > TURNED * np.abs(f**2 - f[:, None] ** 2)
         r, s = np.nonzero(np.triu(close | turned, 1))
         return tuple(zip(r.tolist(), s.tolist(), strict=True))
+
+    @property
+    def mixed(self) -> tuple[tuple[int, int], ...]:
+        """Those that may turn into each other, too: of what stands on a base and has no coarse mesh, participations say that."""
+        return self.pairs if self.coarse or not self.nominal.base else ()
 
     def at(self, offsets: Offsets, *, derivatives: Wanted = True) -> tuple[Matrices, dict[str, Tangent]]:
         """The matrices at `offsets`, before effects and laws of damping, and their `derivatives` by parameters but those laws."""
@@ -286,10 +290,10 @@ class Nuisances:
         for body in m.bodies:
             mass += offsets.get(f"mass:{body}", 0.0) * m.part_mass[body]
         stiffness = E[:, None] * K * E
-        for r, s in () if b else self.pairs:
-            mixed = offsets.get(f"mixing:{name}:{r + 1}:{s + 1}", 0.0) * self.between(r, s) * E[r] * E[s]
-            stiffness[r, s] += mixed
-            stiffness[s, r] += mixed
+        for r, s in self.mixed:
+            mixed = offsets.get(f"mixing:{name}:{r + 1}:{s + 1}", 0.0) * self.between(r, s) * E[b + r] * E[b + s]
+            stiffness[b + r, b + s] += mixed
+            stiffness[b + s, b + r] += mixed
         # G: square root of how much the frequency of every coordinate has grown; 1 where it has none
         old, new = np.diag(m.stiffness), np.diag(stiffness)
         # Rigid motions of what floats have but rounding there, of either sign
@@ -478,7 +482,7 @@ class _Now:
 
     def _of_mixing(self, configuration: str, one: str, other: str) -> Tangent:
         r, s, b = int(one) - 1, int(other) - 1, self.of.nominal.base
-        return self._pair("stiffness", b + r, b + s, self.of.between(r, s) * self.E[r] * self.E[s])
+        return self._pair("stiffness", b + r, b + s, self.of.between(r, s) * self.E[b + r] * self.E[b + s])
 
     def _pair(self, field: str, i: int, j: int, value: float) -> Tangent:
         return crossed(i, **{field: value * (np.arange(len(self.E)) == j)})
