@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from validation.report.fleet import League, RealSet, Result
+
 E, WIDTH, THICKNESS, HEIGHT, MASS, LOSS = 70e9, 0.025, 0.003, 0.15, 5.0, 0.02
 HIDDEN = -0.2
 """Relative change of the modulus of the second storey."""
@@ -172,6 +174,15 @@ def test_the_league_diagnoses_what_is_here_and_says_what_is_not(lab, run, answer
     made = found["sets"]["made"]
     assert (made["verdict"], made["accepted"], made["tuned_on"]) == ("ambiguous", ["modulus:legs-2"], False)
     assert made["error_after_percent"] < made["error_before_percent"] / 5
+
+
+def test_a_line_of_the_league_is_short_and_its_sentences_stand_below():
+    """All that was expected and said stood in one cell of eight lines."""
+    entry = RealSet(name="made", study=Path("lab.toml"), expected="the storey is softer", tuned_on=False)
+    text = League(results=(Result(entry=entry, verdict="nothing", said="NOTHING IS MISSING", after=9.5e-11),)).document().text(80)
+    (line,) = [line for line in text.splitlines() if line.startswith(" made ")]
+    assert line.split() == ["made", "nothing", "–", "0", "no"]
+    assert "made: expected: the storey is softer. Said: NOTHING IS MISSING." in text
 
 
 @pytest.mark.parametrize(

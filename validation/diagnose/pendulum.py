@@ -81,7 +81,7 @@ def answer(found: classical.ClassicalVerdict, facts: Sequence[diagnosis.Measurem
     if len(facts) > 1:
         often = f"one case of {1 / found.probability:.2g}" if RARE <= found.probability < FREQUENT else "most cases"
         often = "less than one case in a million" if found.probability < RARE else often
-        text += f" Chi² of all {len(facts)} is {found.chi2:.3g} (by chance so much in {often})."
+        text += f" Chi² of all {len(facts)} is {found.chi2:.3g}; chance comes to as much in {often}."
     if sum(bool(fact.period) for fact in facts) == 1:
         return f"{text} {HONEST}"
     return (

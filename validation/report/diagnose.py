@@ -148,6 +148,7 @@ def title(model: str, data: Sequence[str]) -> str:
 
 def classical_document(found: SwingAnswer, named: str) -> doc.Document:
     """All of a diagnosis without a campaign, in the order in which it is read."""
+    swung = any(one.period for one in found.facts)
     several = len({one.name.removesuffix(one.quantity) for one in found.facts}) > 1
     facts = doc.Table(
         rows=found.facts,
@@ -156,8 +157,8 @@ def classical_document(found: SwingAnswer, named: str) -> doc.Document:
             doc.Column("measured", lambda one: doc.toleranced(one.measured, one.deviation)),
             doc.Column("sd", lambda one: doc.toleranced(one.deviation, one.deviation)),
             doc.Column("model", lambda one: doc.toleranced(one.predicted, one.deviation)),
-            doc.Column("period", lambda one: f"{100 * one.period_shift:+.3f} %" if one.period else NONE),
-            doc.Column("sigma", lambda one: -one.sigma, "+.1f"),
+            *([doc.Column("period", lambda one: f"{100 * one.period_shift:+.3f} %" if one.period else NONE)] if swung else []),
+            doc.Column("sigma", lambda one: round(-one.sigma, 1) + 0.0, "+.1f"),
         ),
     )
     # What every effect would have to be, places of one kind in one line
@@ -183,13 +184,14 @@ def classical_document(found: SwingAnswer, named: str) -> doc.Document:
             doc.Column("size that would explain it by itself", lambda row: size(row[1]), words=True),
         ),
     )
-    inputs = doc.Table(  # that would explain it, were they wrong
+    whose = {one.name: one.quantity for one in found.facts}
+    inputs = doc.Table(  # that would explain it, were they wrong; a figure that was stated is called by its quantity
         rows=[one for one in found.readings if abs(one.tolerances) <= FAR and abs(one.change) < abs(one.value)],
         columns=(
-            doc.Column("or a wrong input [SI]", lambda one: one.name),
+            doc.Column("or a wrong input [SI]", lambda one: whose[one.of[0]] if one.name.endswith(" tolerance") else one.name),
             doc.Column("as stated", lambda one: one.value, ".6g"),
             doc.Column("it would be off by", lambda one: one.change, "+.2g"),
-            doc.Column("in its tolerances", lambda one: one.tolerances, "+.1f"),
+            doc.Column("in its tolerances", lambda one: round(one.tolerances, 1) + 0.0, "+.1f"),
         ),
     )
 
@@ -212,7 +214,8 @@ def classical_document(found: SwingAnswer, named: str) -> doc.Document:
         *([f"--json has {len(found.advice) - MOST} more tests."] if len(found.advice) > MOST else []),
         *(f"warning: {text}." for text in found.remarks),
     ]
-    opening = (f"{HEADLINES[found.verdict]}.", found.text)
+    rest = found.text.partition(". ")[2] if found.text.startswith("Nothing is missing") else found.text  # which the headline says
+    opening = (f"{HEADLINES[found.verdict]}.", rest)
     return doc.Document(title=named, opening=opening, blocks=(facts, effects, inputs, advice, least), notes=notes)
 
 
@@ -583,15 +586,9 @@ class DiagnosisPage:
 
     def steps(self) -> doc.Grid:
         """How it was found."""
-        lines = tuple(
-            (
-                f"{k}",
-                f"{one.misfit:.3g}",
-                f"{one.price:.3g}",
-                one.text if one.text.startswith(one.added) else f"{one.added}: {one.text}",
-            )
-            for k, one in enumerate(self.found.steps, start=1)
-        )
+        told = [one.text if one.text.startswith(one.added) else f"{one.added}: {one.text}" for one in self.found.steps]
+        both = enumerate(zip(self.found.steps, told, strict=True), start=1)
+        lines = tuple((f"{k}", f"{one.misfit:.3g}", f"{one.price:.3g}", text) for k, (one, text) in both)
         return doc.Grid(
             header=("round", "chi²", "prior penalty", "how it was found"), lines=lines, words=True, caption="How it was found"
         )

@@ -345,11 +345,8 @@ def _reduced(entry: RealSet) -> Result:
     share = {key: 100 * abs(one / theirs[key].nominal_value) for key, one in off.items()}
     worst = max(share, key=lambda key: share[key])
     far = [key for key, one in off.items() if abs(one) > theirs[key].std_dev]
-    said = (
-        f"{', '.join(share)} as published: {worst} is {share[worst]:.2g} % off, "
-        + ("beyond" if far else "within")
-        + " its tolerance"
-    )
+    where = f"{'beyond' if far else 'within'} its tolerance"
+    said = f"{', '.join(share)} as published: {worst} is {round(share[worst], 6):.2g} % off, {where}"
     return Result(entry=entry, verdict=UNKNOWN if far else NOTHING, said=said, after=share[worst])
 
 
@@ -363,18 +360,20 @@ class League:
     def document(self) -> doc.Document:
         """The table."""
         table = doc.Table(
-            caption="What was expected, what was said, and the plain error before and after",
+            caption="The verdicts, and the plain error before and after",
             rows=self.results,
             columns=(
                 doc.Column("set", lambda one: one.entry.name, words=True),
+                doc.Column("verdict", lambda one: one.verdict, words=True),
                 doc.Column("before", lambda one: one.before, ".3g", unit="%"),
-                doc.Column("after", lambda one: one.after, ".3g", unit="%"),
+                doc.Column("after", lambda one: None if one.after is None else round(one.after, 6), ".3g", unit="%"),
                 doc.Column("tuned on", lambda one: "yes" if one.entry.tuned_on else "no"),
-                doc.Column("expected, and said", lambda one: f"{one.entry.expected}. Said: {one.said}", words=True),
             ),
         )
-        absent = f"Not here: {', '.join(self.absent)}. Name the folder of the data with --data or MASSLINE_DATA."
-        return doc.Document(title="Real tests that others made", blocks=(table,), notes=(absent,) if self.absent else ())
+        notes = [f"{one.entry.name}: expected: {one.entry.expected}. Said: {one.said.rstrip('.')}." for one in self.results]
+        if self.absent:
+            notes.append(f"Not here: {', '.join(self.absent)}. Name the folder of the data with --data or MASSLINE_DATA.")
+        return doc.Document(title="Real tests that others made", blocks=(table,), notes=tuple(notes))
 
 
 def league_answer(folder: Path, data: Path, names: tuple[str, ...], *, as_json: bool) -> None:

@@ -146,6 +146,23 @@ def test_any_cell_and_any_frequency_is_marked_told_and_picked_by_keyboard(page, 
     assert not page.locator(".place:visible").count()
 
 
+APART = """() => {
+    const names = [...document.querySelectorAll("#map .ytick text")].map((one) => one.getBoundingClientRect());
+    names.sort((a, b) => a.top - b.top);
+    const small = document.querySelector("#map .main-svg").clientHeight < 290;
+    return small && names.length > 3 && names.every((one, k) => k === 0 || one.top > names[k - 1].bottom - 0.5);
+}"""
+
+
+def test_names_of_channels_on_the_map_do_not_touch_on_a_small_page(page):
+    size = page.viewport_size
+    page.set_viewport_size({"width": 1280, "height": 650})
+    try:
+        page.wait_for_function(APART, timeout=10_000)
+    finally:
+        page.set_viewport_size(size)
+
+
 def test_the_structure_turns_by_keyboard_and_by_hand(page):
     canvas = page.locator("canvas.view")
     page.locator("canvas[data-shown]").wait_for()

@@ -39,6 +39,7 @@ from validation.estimation.problem import Fit
 from validation.model.model import Added, Model
 from validation.prediction.classical_facts import facts
 from validation.reference.reference import ArticleOptions
+from validation.report.diagnose import classical_document
 from validation.study import Data, Study
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.simulate import simulate
@@ -538,3 +539,16 @@ def test_effects_of_a_pendulum_are_tried_where_a_swing_is_among_the_files(made, 
     best = advised(of, base, ("pendulum-amplitude", "rope-mass"))[0]
     assert set(best.separates) <= {"pendulum-amplitude", "rope-mass"}
     assert best.gain > 5
+
+
+def test_the_page_of_stated_results_calls_each_by_its_quantity_and_says_once_that_nothing_is_missing(cuboid, tmp_path):
+    """Every input was an "assumed tolerance", and what agreed was off by "-0.0"."""
+    mass, _ = cuboid
+    file = tmp_path / "results.toml"
+    head = 'format = 1\nkind = "results"\n[article]\nname = "cuboid"\n'
+    file.write_text(f'{head}[mass]\nvalue = "{mass + 1e-6:.9f} +/- 0.01 kg"\n', encoding="utf-8")
+    page = classical_document(only_classical(ON_SHAKER, [str(file)]), "title").text(110)
+    assert page.lower().count("nothing is missing") == 1
+    assert "stated tolerance" not in page
+    assert "-0.0" not in page
+    assert " period " not in page  # nothing swung

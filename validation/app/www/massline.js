@@ -202,14 +202,17 @@
       picked(point) {
         this.$emit("pick", { x: point.x, y: point.y, custom: Array.from(point.customdata ?? []) });
       },
-      // A figure that may be scrolled takes the height that there is, and no less than the server asks for; rows of a map share it.
+      // A figure that may be scrolled takes the height that there is, and no less than the server asks for; rows of a map share it, and
+      // where they are narrower than letters every second and so on bears its name.
       heighten(layout) {
         if (!this.tall) return;
         const height = Math.max(this.least, this.$refs.root.parentElement.clientHeight - 1);
         this.$refs.root.style.height = `${height}px`;
         if (this.keys !== "cells") return; // and tall: the map
         const { margin, yaxis } = layout;
-        yaxis.tickfont.size = Math.min(11, Math.max(8, (height - margin.t - margin.b) / yaxis.categoryarray.length - 1));
+        const row = (height - margin.t - margin.b) / yaxis.categoryarray.length;
+        yaxis.tickfont.size = Math.min(11, Math.max(8, row - 1));
+        yaxis.tickvals = yaxis.categoryarray.filter((_, k) => k % Math.ceil(9 / row) === 0); // no name touches the next
       },
       resize() {
         const root = this.$refs.root;
@@ -288,7 +291,7 @@
   // The 6 x 6 entries, a grid: Tab reaches the one that is shown or was visited last, arrow keys the others; Enter shows one.
   const SIDE = 6;
   const Picker = {
-    props: { label: String, signs: Array, tints: Array, peaks: Array, entries: Array, load: Number, motion: Number, off: Boolean },
+    props: { label: String, signs: Array, tints: Array, peaks: Array, entries: Array, load: Number, motion: Number },
     emits: ["choose"],
     data: () => ({ visited: null }), // number of the entry that arrow keys came to; it is where Tab comes back to
     watch: {
@@ -307,7 +310,6 @@
           "aria-pressed": String(shown),
           "aria-label": this.entries[i][j],
           title: this.entries[i][j],
-          disabled: this.off,
           onFocus: () => { this.visited = i * SIDE + j; },
           onClick: () => this.$emit("choose", [i, j]),
         }, this.peaks[i][j]));

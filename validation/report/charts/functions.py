@@ -123,7 +123,7 @@ class DrawnCurves:
             figure = self._nyquist()
         else:
             heights = (0.66, 0.34) if self.switches.form == MAGNITUDE else (0.5, 0.5)
-            figure = Figure(rows=2, heights=heights, vertical=0.05, shared=True)
+            figure = Figure(rows=2, heights=heights, vertical=0.1, shared=True)
             if self.switches.form == PARTS:
                 self._parts(figure)
             else:
@@ -163,7 +163,7 @@ class DrawnCurves:
             some = f"predicted is below this axis at {below.sum()} of {below.size} lines"
             _say(figure, "predicted is zero here" if below.all() else some, "y domain")
         if switches.lower == PHASE:
-            turns: Values = {} if switches.unwrapped else {"range": [-190, 190], "tickvals": [-180, -90, 0, 90, 180]}
+            turns: Values = {} if switches.unwrapped else {"range": [-190, 190], "tickvals": [-180, 0, 180]}
             figure.up(title={"text": "phase [°]"}, **turns, row=2, column=1)
         elif switches.lower == RATIO:
             self._ratios(figure, 10**low)
