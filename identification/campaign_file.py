@@ -38,10 +38,9 @@ def warnings_of_recordings(campaign: campaigns.Campaign, recordings: Mapping[str
     verdicts = campaigns.observed(campaign.table)
     cover = verdicts["base motion by cover"]
     found, of_runs = [], []
-    if not cover.complete and verdicts["base motion by table and cover"].complete:
-        found.append(
-            f"{source}: the cover plate alone does not tell the base motion ({', '.join(cover.missing)}); the table must help"
-        )
+    if campaign.table.select(group="cover") and not cover.complete and verdicts["base motion by table and cover"].complete:
+        missing = ", ".join(cover.missing)
+        found.append(f"{source}: the cover plate alone does not tell the base motion ({missing}); the table must help")
     for key, verdict in verdicts.items():
         if verdict.complete and verdict.condition > WEAK:
             found.append(f"{source}: {key} has the condition number {verdict.condition:.3g}; move the pick-ups farther apart")
@@ -604,19 +603,13 @@ def examine(folder: str | Path, *, progress: Progress | None = None) -> Examined
     # What cannot be told from the channels at all: a base motion by table and cover plate together, or a resultant
     source = f"{folder}/{NAME}"
     verdicts = campaigns.observed(campaign.table)
-    found = []
-    for key, what, remedy in (
-        ()
-        if campaign.cross_motion
-        else (  # of a single-axis shaker no more is known
-            ("base motion by table and cover", "base motion", "Add an accelerometer that moves with it to [[channel]]"),
-            (
-                "resultants by fmd",
-                "resultant",
-                "Add a load cell that senses it to [[channel]], or give the cells of a sum singly",
-            ),
-        )
-    ):
+    found, wanted = [], []
+    if not campaign.cross_motion:  # of a single-axis shaker no more is known
+        wanted.append(("base motion by table and cover", "base motion", "Add an accelerometer that moves with it to [[channel]]"))
+        if campaign.table.select(group="fmd") or not campaign.table.select(group="article", quantity="acceleration"):
+            remedy = "Add a load cell that senses it to [[channel]], or give the cells of a sum singly"
+            wanted.append(("resultants by fmd", "resultant", remedy))
+    for key, what, remedy in wanted:
         verdict = verdicts[key]
         if not verdict.complete:
             what = what if len(verdict.missing) == 1 else f"{what}s"

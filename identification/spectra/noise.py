@@ -202,13 +202,15 @@ def of_redundancy(spectra: Spectra, gravity: float) -> Array:
         return noise
     even = replace(spectra, noise=np.ones(spectra.values.shape))
     try:
-        motion, load = base_motion(even, gravity=gravity), resultants(even)
+        motion = base_motion(even, gravity=gravity)
+        load = resultants(even) if spectra.table.select(group="fmd") else None
     except BadInput:  # channels that do not tell six of each: whoever needs them says which
         return noise
     # (r, n) the motion of every run that is largest by its nominal level
     largest = np.argmax(np.mean(np.abs(motion.values / NOMINAL), axis=1), axis=1)
     driven = motion.values[np.arange(len(largest)), :, largest]
-    for quantity, left, expected in (("acceleration", motion.residual, motion.expected), ("force", load.parity, load.expected)):
+    of_forces = () if load is None else (("force", load.parity, load.expected),)
+    for quantity, left, expected in (("acceleration", motion.residual, motion.expected), *of_forces):
         chosen = list(spectra.table.select(quantity=quantity))
         if left.shape[2] and chosen and np.any(expected > 0):
             size = np.maximum(np.abs(driven), np.finfo(np.float64).tiny)[:, :, None]

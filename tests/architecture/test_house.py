@@ -15,7 +15,7 @@ from tools.pages import quoted
 
 BARS = {
     "product files": 329,
-    "product lines": 102_218,
+    "product lines": 102_384,
     "modules over 800 lines": 0,
     "import circles": 0,
     "packages of validation": 17,
@@ -42,6 +42,8 @@ Files and lines: the issue on the house asked for at most 260 files and 77,000 l
    102,154   less: the demo, the page of the catalogue and the solver of Clumod's dimensions, which only this repository runs, are
              tools; fields, constants, parameters and writers that nothing of the product asks for
    102,218   more: nodes that first order finds, models that do not converge, places of large meshes; less: what was said twice
+   102,384   more: virtual tests of a structure of one's own on a base, noise of its spectra, a next test for what is alike
+             from afar; less: what tests alone asked of a measurement chain
 
 No module has over 800 lines any more; nine had.
 The other bars are the same for old and new.

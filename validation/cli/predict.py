@@ -258,7 +258,12 @@ def excite_command(
     "--unit", "units", multiple=True, metavar="UNIT", help="Of the signal files where it is not SI: g, kN ... May be repeated."
 )
 @options.SET
-@click.option("--test", "kind", metavar="KIND", help="Of MODEL.toml: hammer, shaker, functions or modes.  [default: hammer]")
+@click.option(
+    "--test",
+    "kind",
+    metavar="KIND",
+    help="Of MODEL.toml: hammer, shaker, functions, modes, base or base-forces.  [default: hammer]",
+)
 @click.option("--drive", "drives", multiple=True, metavar="PLACE:AXIS", help="Of MODEL.toml, where the force acts. Repeatable.")
 @click.option(
     "--response",
@@ -286,7 +291,7 @@ def simulate_command(ctx: click.Context, /, articles: tuple[str, ...], out: Path
         name for name in (*given, *of_structure) if ctx.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
     }
     if len(articles) == 1 and articles[0].lower().endswith(".toml"):
-        both = ("effects", "seed", "sealed", "noise", "tolerances", "band")
+        both = ("effects", "seed", "sealed", "noise", "tolerances", "band", "axis", "cross")
         if other := sorted(stated - {*both, *of_structure}):
             problem = "is an option of the multi-axis shaker, and a structure is struck, shaken or tabulated"
             raise BadInput(source=f"--{other[0].replace('_', '-')}", problem=problem, remedy="Leave it out")

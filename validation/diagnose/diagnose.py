@@ -121,7 +121,7 @@ def diagnosed(
         if afar is None and goodness_of_fit(at.fit, at.problem).null:
             right, at, more = with_twins(right, at, steps)
             steps = (*steps, *more)
-        found = answer(right, at, steps, tell) if afar is None else answer_from_afar(right, base, steps, afar, tell)
+        found = answer(right, at, steps, tell) if afar is None else answer_from_afar(right, base, steps, afar, menu, tell)
         found = replace(found, everywhere=nodes, nodes=every)
     whole = with_mistakes(of, found, mistaken) if mistaken else found
     alike = correlations(of.whole().predictions) if of.tests else ()
@@ -269,8 +269,29 @@ BLOCKS = 4
 """[count] of blocks of frequency that are held out in turn where there is but one run. By definition."""
 
 
+def parting(
+    study: Study, first: diagnosis.Candidate, found: FromAfar, menu: Sequence[Added], progress: Progress
+) -> tuple[diagnosis.Advice, ...]:
+    """Tests that would tell apart what is alike from afar, of each effect of `first`, the fit of what was `found`."""
+    made: list[diagnosis.Advice] = []
+    for id in found.alike:
+        rivals = [first]
+        for effects in found.instead(id, menu):
+            problem = study.problem(effects)
+            fit = line_fit(study, effects, roughly=True) or nearby(problem, FITTED, problem.start)
+            rivals.append(diagnosis.Candidate(effects=effects, fit=fit, problem=problem))
+        if len(rivals) > 1:
+            made += advised(study, rivals, lambda share: progress("looking for the next measurement", share))
+    return tuple(one for one in made if one.gain > 0)
+
+
 def answer_from_afar(
-    study: Study, base: diagnosis.Candidate, steps: Sequence[SearchStep], found: FromAfar, progress: Progress
+    study: Study,
+    base: diagnosis.Candidate,
+    steps: Sequence[SearchStep],
+    found: FromAfar,
+    menu: Sequence[Added],
+    progress: Progress,
 ) -> diagnosis.Diagnosis:
     """The diagnosis that a search from afar leads to: its effects are named, and what they leave is said."""
     effects = tuple(replace(one, fixed=False) for one in found.best.effects)
@@ -333,6 +354,7 @@ def answer_from_afar(
     else:
         verdict = diagnosis.AMBIGUOUS if several else diagnosis.MISSING
     alike = tuple(dict.fromkeys(id for ids in (found.alike.values() if len(effects) == 1 else several) for id in ids))
+    advice = () if verdict == diagnosis.UNKNOWN else parting(study, candidate, found, menu, progress)
     off = found.off(SOUND)
     words = "; ".join(f"{where} by {sd:.1f} of what a sound model may be" for where, sd in off[:MOST_OFF]) or stands.text
     left = f"Something is left. Still off: {words}."
@@ -351,7 +373,7 @@ def answer_from_afar(
         accepted=accepted,
         ranking=ranking,
         equivalence_class=alike,
-        advice=diagnosis.confirming(one.named for one in effects),
+        advice=(*advice, *diagnosis.confirming(one.named for one in effects)),
         leftover=diagnosis.Leftover(
             text=left,
             looks_like="irregular",

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import solve_triangular
 
 from geometry.errors import CheckFailed
 from geometry.frames import Array
@@ -169,7 +169,8 @@ class DistantView:
             nothing = np.zeros(len(left))
             rows.append([min(one.tolerance, WIDEST) * moved.get(which, nothing) for which, one in known.items()])
         J = np.hstack([np.reshape(one, (len(known), -1)) for one in rows])
-        return np.asarray(cholesky(np.eye(J.shape[1]) + J.T @ J, lower=True))
+        R = np.linalg.qr(np.vstack([J, np.eye(J.shape[1])]), mode="r")  # of J^T J very large numbers would leave no 1
+        return np.asarray((R * np.sign(np.diag(R))[:, None]).T)
 
     def residual(self, effects: Sequence[Added]) -> Array:
         """(n,) with `effects` at their sizes, whitened."""
@@ -396,6 +397,12 @@ class FromAfar:
                 if sd > found.get(which, ("", limit))[1]:
                     found[which] = (where, float(sd))
         return sorted(found.values(), key=lambda one: -one[1])
+
+    def instead(self, id: str, menu: Sequence[Added]) -> list[tuple[Added, ...]]:
+        """The effects with each of those of `menu` in the place of `id` that could stand for it."""
+        rest = replace(self.best, effects=tuple(one for one in self.best.effects if one.named.id != id))
+        others = [one for other in self.alike[id][1:] for one in menu if one.named.id == other]
+        return [self.view.explained((*rest.effects, self.view.scanned(rest, one)[1])).effects for one in others]
 
     def estimates(self) -> dict[str, tuple[EffectEstimate, ...]]:
         """By id the sizes of the effects, between 90 % limits.

@@ -196,7 +196,7 @@ def body_of(study: Study, plain: estimation.Fit, progress: Callable[[float], Non
 
     In the place of the `plain` fit of the model this one never costs more.
     """
-    if not study.article or all(one.cross_motion for one in study.campaigns):  # a single-axis shaker tells no inertia
+    if not study.article or not any(one.table.select(group="fmd") for one in study.campaigns):  # no force tells no inertia
         return None
     known = study.known()
     problem = known.thinned()

@@ -254,18 +254,14 @@ def with_unmeasured(campaign: Campaign) -> Campaign:
 def _with_their_size(of: problem.Measured, campaign: Campaign) -> problem.Measured:
     """Spectra in which the pick-ups of `with_unmeasured` read nothing, as well as the stated share of the driven motion."""
     quiet = np.array([not is_read(name) for name in of.channels])
+    if not np.any(of.judged):  # no load cells
+        of = replace(of, judged=np.isin(of.channels, [one.name for one in campaign.table.channels if one.group == "article"]))
     if not campaign.cross_motion:
         return of
     along = pilots(campaign)
     level = smoothed_level(of.frequency, of.values)[:, :, np.isin(of.channels, along)].max(axis=2, keepdims=True)
-    article = np.isin(of.channels, [one.name for one in campaign.table.channels if one.group == "article"])
-    return replace(
-        of,
-        values=np.where(quiet, 0.0, of.values),
-        noise=np.where(quiet, campaign.cross_motion * level, of.noise),
-        judged=of.judged if np.any(of.judged) else article,
-        pilots=tuple(along),
-    )
+    noise = np.where(quiet, campaign.cross_motion * level, of.noise)
+    return replace(of, values=np.where(quiet, 0.0, of.values), noise=noise, pilots=tuple(along))
 
 
 def pilots(campaign: Campaign) -> list[str]:

@@ -304,6 +304,9 @@ def _congruent(matrix: Sparse, shapes: Array) -> Array:
 LEFT_OUT = 1e-3
 """Share of the change that a pull makes, by energy, that may lie outside the basis."""
 
+ORTHOGONAL = 1e-3
+"""[1] Cosine beyond which a coordinate is not outside others. Held by tests/validation/diagnosing/test_blind_structures.py."""
+
 FAR = (-0.6, 2.0)
 """Relative changes of a density to which the basis is made. Held by tests/validation/prediction/test_any_structure.py."""
 
@@ -381,7 +384,11 @@ def bent_far(
 
     def grown(basis: Array, more: Array) -> Array:
         """`basis` and what is `new` to it."""
-        return np.hstack([basis, more / np.sqrt(np.sum(more * (A @ more), axis=0))])
+        more = more / np.sqrt(np.sum(more * (A @ more), axis=0))
+        if np.abs(basis.T @ (A @ more)).max(initial=0.0) > ORTHOGONAL:  # what is little of a large answer is rounding
+            more = new(basis, more)
+            more = more / np.sqrt(np.sum(more * (A @ more), axis=0))
+        return np.hstack([basis, more])
 
     def swings(K: Array, M: Array) -> tuple[Array, Array]:
         """Squares of circular frequencies, ascending, and shapes of unit mass; static answers without mass swing at none."""

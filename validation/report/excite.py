@@ -576,6 +576,8 @@ def simulate_structure(
     drives: Sequence[str],
     responses: Sequence[str],
     block: float | None,
+    axis: str,
+    cross: float,
 ) -> None:
     """Answer `massline simulate MODEL.toml`.
 
@@ -603,12 +605,15 @@ def simulate_structure(
         drives=drives,
         responses=responses,
         block=block or 0.0,
+        axis=axis,
+        cross=cross,
     )
     with shown(f"{plan.article}: simulating and writing {out}", quiet=as_json):
         made = structure_tests.simulate(plan)
         virtual_test.write(out, truth, made.truth, made.fill)
+    test = out if plan.on_base else out / "test.toml"
     about: dict[str, Any] = {
-        "test": str(out / "test.toml"),
+        "test": str(test),
         "truth": str(truth),
         "kind": plan.kind,
         "article": plan.article,
@@ -623,7 +628,7 @@ def simulate_structure(
     else:
         rows = [(key, ", ".join(map(str, value)) if isinstance(value, list) else str(value)) for key, value in about.items()]
         click.echo("\n".join(f"{key:10} {value or 'none'}" for key, value in rows))
-    click.echo(f"massline: wrote {out} and its truth {truth}. `massline compare {path} {out / 'test.toml'}` reads it.", err=True)
+    click.echo(f"massline: wrote {out} and its truth {truth}. `massline compare {path} {test}` reads it.", err=True)
 
 
 def _written_test(question: SimulateOptions, plan: Plan, words: str, *, quiet: bool) -> Written:

@@ -20,8 +20,9 @@ import numpy as np
 from fem.base_excitation.first_order_hold import Channels, cell_forces
 from fem.base_excitation.rig import Rig, RigStructure
 from geometry.articles import NAMES, built_in, changes_of, locations
+from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen, rigid_transformation, rotation_by
+from geometry.frames import Array, frozen, rigid_transformation, rigid_transformation_6, rotation_by
 from geometry.inertia import Inertia
 from geometry.sensors import Channel
 from geometry.toml_file import nearest
@@ -120,6 +121,51 @@ def _row(channel: Channel, layout: Layout, chain: ChainTruth, gravity: float) ->
 def _direction(channel: Channel, chain: ChainTruth) -> Array:
     """(3,) along which an accelerometer really measures."""
     return np.asarray(rotation_by(chain.angle.get(channel.name, np.zeros(3))) @ channel.places[0].direction)
+
+
+CELLS_LOSE = 0.01
+"""Loss factor of load cells where all that they carry swings on them along an axis."""
+
+
+def on_table(
+    plan: Plan,
+    sensors: Sensors,
+    chain: ChainTruth,
+    fmd: tuple[Inertia | None, Array | None],
+    seat: Array,
+    frequency: Array,
+    moved: ComplexArray,
+    carried: ComplexArray,
+) -> ComplexArray:
+    """(n, c, 6) what all channels, first those on an article, read of a unit of each motion of the table.
+
+    On an FMD with cells of stiffness k_i at rows G_i, K = sum of G_i^T k_i G_i and the dynamic mass H of all above, a unit of
+    the table moves the plate by (K - omega² H)^-1 K, and cell i bears k_i G_i K^-1 H of that.
+
+    Parameters
+    ----------
+    fmd : its moving part about F as nominal, None without one, and (3,) [N/m] of a cell, None for those of the drawing
+    seat : (3,) [m] from F, where the article's base is
+    moved, carried : (n, a, 6), (n, 6, 6) what pick-ups on the article read, and its dynamic mass, both of its base's motions
+    """
+    from fem.beam.articles import load_cells
+
+    omega, X = 2 * np.pi * frequency[:, None, None], rigid_transformation_6(seat)
+    signals = np.zeros((len(frequency), WIDTH, 6), dtype=np.complex128)
+    signals[:, TABLE] = plate = np.broadcast_to(np.eye(6), (len(frequency), 6, 6))
+    if fmd[0] is not None:
+        H = X.T @ carried @ X + plan.drawn_moving_part(fmd[0].about(np.zeros(3))).mass_matrix
+        k = load_cells({}) if fmd[1] is None else np.tile(fmd[1], (CELLS, 1))
+        k = (k * (1 + chain.cell_stiffness) / chain.compliance[[0, 0, 1]]).reshape(-1, 1)
+        k = k + 1j * omega * CELLS_LOSE * np.sqrt(k * H[0, 0, 0].real / CELLS)
+        G = np.vstack([rigid_transformation(one) for one in middles_of_cells(plan)])
+        K = G.T @ (k * G)
+        plate = np.linalg.solve(K - omega**2 * H, K)
+        signals[:, FORCES] = k * G @ np.linalg.solve(K, H @ plate)
+    signals[:, COVER] = plate
+    read = sensors.rows @ signals
+    read[:, : moved.shape[1]] += moved @ X @ plate
+    return np.asarray(read * np.exp(-1j * omega * sensors.delay[:, None]))
 
 
 def accelerometers(plan: Plan) -> dict[str, Array]:

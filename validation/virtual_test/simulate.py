@@ -9,6 +9,7 @@ import json
 import platform
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from hashlib import sha256
 from math import isfinite, nan
 from pathlib import Path
@@ -222,7 +223,7 @@ def _whole(plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun) -> planni
         response = driven_run.respond(lab.rig, motion)
         tilt = motion.displacement[:, 3:5]
         signals = [response.table, response.cover, response.cells.reshape(len(response.table), -1), tilt, tilt]
-        return sensed(plan, lab, run, np.hstack(signals) @ lab.sensors.rows.T, rate, response)
+        return sensed(plan, lab.layout, run, np.hstack(signals) @ lab.sensors.rows.T, rate, response)
 
     def wanted(structure: RigStructure) -> first_order_hold.Channels:
         cover = first_order_hold.accelerations(structure.cover, "the cover plate")
@@ -240,12 +241,12 @@ def _whole(plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun) -> planni
     response = recorder.Response(
         sampling_rate=rate, table=table, cover=cover, load=loads, cells=cells.reshape(len(cells), CELLS, 3)
     )
-    return sensed(plan, lab, run, values, rate, response)
+    return sensed(plan, lab.layout, run, values, rate, response)
 
 
 def sensed(
     plan: planning.Plan,
-    lab: ShakerLaboratory,
+    layout: Layout,
     run: DrivenRun,
     values: Array,
     rate: float,
@@ -255,7 +256,7 @@ def sensed(
     what = "record" if response is None else "signals"
     return planning.Sensed(
         values=values,
-        table=lab.layout.table,
+        table=layout.table,
         sampling_rate=rate,
         run=run.name,
         level=run.level,
@@ -311,22 +312,35 @@ def simulate(plan: planning.Plan, progress: Progress | None = None) -> VirtualTe
         effect of the catalogue that cannot act here.
     CheckFailed : something on the table swings freely.
     """
-    driven = runs(plan)
-    recorder.require_recorded(max(run.pattern.highest for run in driven), plan.rate, planning.SOURCE)
+    recorder.require_recorded(max(run.pattern.highest for run in runs(plan)), plan.rate, planning.SOURCE)
     lab = laboratory(plan)
-    recordings = {}
+    mounting = Pose(position=lab.made.rig.seat) if plan.on_fmd else None
+    campaign = recorded(plan, lab.layout, lab.chain, partial(record, plan, lab), mounting, progress)
+    return VirtualTest(campaign=campaign, truth=truth(plan, lab.chain, lab.made, lab.rig))
+
+
+def recorded(
+    plan: planning.Plan,
+    layout: Layout,
+    chain: ChainTruth,
+    of: Callable[[DrivenRun], Array],
+    mounting: Pose | None,
+    progress: Progress | None = None,
+) -> Campaign:
+    """The campaign of all runs of `plan`, of which the recorder gets what `of` says, without noise."""
+    driven, recordings = runs(plan), {}
     for k, run in enumerate(driven):
-        recordings[run.name] = recording(plan, lab, run)
+        recordings[run.name] = recording(plan, layout, chain, run, of(run))
         if progress is not None:
             progress((k + 1) / len(driven))
-    table = lab.layout.table
+    table = layout.table
     if plan.axis:
         kept = [k for k, name in enumerate(table.names) if plan.is_read(name)]
         table = replace(table, channels=tuple(table.channels[k] for k in kept))
         recordings = {
             name: replace(one, names=table.names, values=np.asarray(one.values)[:, kept]) for name, one in recordings.items()
         }
-    campaign = Campaign(
+    return Campaign(
         title=f"Virtual test of {plan.article}",
         article=plan.article,
         hardware=f"fmd-{token(plan.seed, 'fmd')}/sensors-{token(plan.seed, 'sensors')}",
@@ -335,16 +349,15 @@ def simulate(plan: planning.Plan, progress: Progress | None = None) -> VirtualTe
         cross_motion=LARGEST_OF_CROSS * plan.cross if plan.axis else 0.0,
         runs=tuple(Run(name=run.name, file=f"{run.name}.h5", axis=run.axis, excitation=run.excitation) for run in driven),
         recordings=recordings,
-        mounting=Pose(position=lab.made.rig.seat) if plan.on_fmd else None,
+        mounting=mounting,
         gravity=plan.gravity,
         source=planning.SOURCE,
     )
-    return VirtualTest(campaign=campaign, truth=truth(plan, lab.chain, lab.made, lab.rig))
 
 
-def recording(plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun) -> Recording:
-    """What the recorder of `lab` holds after `run`, noise and hum in it."""
-    names, values = lab.layout.table.names, record(plan, lab, run)
+def recording(plan: planning.Plan, layout: Layout, chain: ChainTruth, run: DrivenRun, values: Array) -> Recording:
+    """What the recorder that gets `values` (m, c) holds after `run`, noise and hum in it."""
+    names = layout.table.names
     time = np.arange(len(values)) / plan.rate
     hum = stream(plan.seed, "mains", plan.article, run.name)
     # (h, m) rotating phasors of unit mains and its harmonics; zero for those that the record cannot hold
@@ -353,12 +366,12 @@ def recording(plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun) -> Rec
     held = {order: share if order * frequency < plan.rate / 2 else 0.0 for order, share in HARMONICS.items()}
     waves = np.array([share * phasor**order for order, share in held.items()])
     phases = np.exp(1j * hum.uniform(0.0, 2 * np.pi, (len(names), len(HARMONICS))))
-    mains = np.array([lab.chain.mains.get(name, 0.0) for name in names])
+    mains = np.array([chain.mains.get(name, 0.0) for name in names])
     samples = np.asarray(values.T + (mains[:, None] * phases @ waves).imag).T
     for k, name in enumerate(names):
-        if rms := lab.chain.noise_rms.get(name, 0.0):
+        if rms := chain.noise_rms.get(name, 0.0):
             samples[:, k] += rms * stream(plan.seed, "noise", plan.article, run.name, name).standard_normal(len(time))
-    got = sensed(plan, lab, run, samples, plan.rate)
+    got = sensed(plan, layout, run, samples, plan.rate)
     for effect in plan.effects:
         got = effect.record(got)
     return Recording(names=names, values=got.values, sampling_rate=plan.rate, source=run.name)

@@ -1,4 +1,5 @@
-"""A virtual test of any structure: struck, shaken, or its modes in a table, with effects that its model does not know.
+"""A virtual test of any structure: struck, shaken, on a base that moves, or its modes in a table, with effects that its model
+does not know.
 
 The structure is that of the model file with its effects added to the matrices themselves; nothing is reduced. With its modes
 Phi, all of them or the lowest with answers to the forces beside them, and what these leave static at a shift,
@@ -19,12 +20,15 @@ import numpy as np
 
 from fem.structure import Sparse, Structure, place_rows, position_of
 from fem.user_model import reading
+from geometry import toml_file
+from geometry.articles import built_in
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
-from geometry.frames import Array
-from geometry.sensors import AXES, Point, point
+from geometry.frames import Array, Pose
+from geometry.sensors import AXES, Channel, ChannelTable, Place, Point, point
 from geometry.toml_file import nearest
-from identification import test_file
+from identification import campaign_file, test_file
+from identification.campaign import Campaign, Processing
 from identification.files import files
 from identification.files.files import Signals
 from validation.effects.catalogue import Named, parse_all
@@ -32,16 +36,23 @@ from validation.effects.effect import Vocabulary
 from validation.effects.stages import ALONG
 from validation.model import model_file
 from validation.model.model import Model
+from validation.virtual_test.layout import ACCELEROMETERS, FORCES, mavis
+from validation.virtual_test.plan import NOISE as ORDINARY
+from validation.virtual_test.plan import Plan, Scatter
+from validation.virtual_test.planted import planted
+from validation.virtual_test.shaker import FMD, Sensors, middles_of_cells, nominal_fmd, on_table
+from validation.virtual_test.simulate import DrivenRun, cross_motion, recorded
 
-HAMMER, SHAKER, FUNCTIONS, MODES = KINDS = ("hammer", "shaker", "functions", "modes")
-"""Records of blows, records of a random force, response functions, a table of modes."""
+HAMMER, SHAKER, FUNCTIONS, MODES, BASE, BASE_FORCES = KINDS = ("hammer", "shaker", "functions", "modes", "base", "base-forces")
+"""Records of blows, records of a random force, response functions, a table of modes; sweeps of a base, its accelerometers and
+those on the structure recorded, or load cells below as well."""
 
 GAIN = 0.01
 """Standard deviation of the gains of sensors and of the force cell in these laboratories, as their tests state it."""
 
 NOISE = {HAMMER: 2e-4, SHAKER: 2e-4, FUNCTIONS: 0.005, MODES: 0.001}
 """Ordinary noise: of records a share of each channel's largest value, of functions a share of each value and of the median of its
-function, of tables a share of a frequency; of damping and shapes a hundred and ten times that."""
+function, of tables a share of a frequency; of damping and shapes a hundred and ten times that. That of a shaker is `ORDINARY`."""
 
 DEAF = 0.01
 """Share of what the loudest pick-up reads below which the noise of others is as its own there: they are of one kind and range."""
@@ -73,23 +84,35 @@ LOWEST, RIGID, AT_REST = 5, 1e-9, 1e-3
 the largest motion] below which a point does not move. By definition."""
 
 STRUCTURAL = (
-    "modulus",
-    "mass",
-    "thickness",
-    "structural-damping",
-    "support-stiffness",
-    "point-mass",
-    "cable",
-    "gravity-stiffness",
+    *("modulus", "mass", "thickness", "structural-damping", "support-stiffness", "point-mass", "cable", "gravity-stiffness"),
+)
+OF_ANY = (
+    *("accelerometer-gain", "accelerometer-delay", "accelerometer-position", "accelerometer-misalignment"),
+    *("force-gain", "force-delay", "polarity", "channel-swap", "unit"),
 )
 SENSORS = (
-    *("accelerometer-gain", "accelerometer-delay", "accelerometer-position", "accelerometer-misalignment"),
-    *("force-gain", "force-delay", "force-position", "force-misalignment", "transducer-mass", "exponential-window"),
-    *("polarity", "channel-swap", "unit", "wrong-direction", "wrong-place", "wrong-reference"),
+    *(*OF_ANY, "force-position", "force-misalignment", "transducer-mass", "exponential-window"),
+    *("wrong-direction", "wrong-place", "wrong-reference"),
 )
 OF_DRIVES = ("force-position", "force-misalignment", "wrong-reference")
-PLANTED = (*STRUCTURAL, *SENSORS)
-"""Families that can be hidden in such a test."""
+OF_CELLS = ("force-crosstalk", "cell-stiffness", "fmd-compliance", "load-path-shunt")
+"""Families that can be hidden: in the structure, in sensors of any test, in those of one by forces, among these where a force
+acts, and in load cells below a base."""
+
+CROSS = 0.03
+"""[share] of the swept motion that a base makes on average along each other axis where nothing is said."""
+
+SWEPT = 400.0
+"""[count] of cycles of its lowest frequency that a sweep of a base lasts."""
+
+RINGS_OUT = 11.5
+"""[1] Natural logarithm of what is left of the slowest mode at its end."""
+
+LINES = 800
+"""[count] of lines between which its spectra are asked for."""
+
+TIED = 1e-10
+"""Share of the largest stiffness beyond which a motion of the base strains something: it is tied to the ground."""
 
 UNSEEN = 1e-6
 """Share of its largest motion below which a mode moves the sensors by rounding alone, and nobody tabulates it."""
@@ -110,6 +133,7 @@ class StructurePlan:
     noise, tolerances : factors on the ordinary noise, and on the tolerances from which moduli, losses and gains are drawn
     band : (low, high) [Hz]
     block : [s] of a block; 0 for one in which the slowest mode rings down
+    axis, cross : of a base the one that is swept, all six where it is empty; what it does on average along the others
     """
 
     model: Model
@@ -123,6 +147,19 @@ class StructurePlan:
     tolerances: float = 1.0
     band: tuple[float, float]
     block: float = 0.0
+    axis: str = ""
+    cross: float = CROSS
+
+    @property
+    def on_base(self) -> bool:
+        """Whether a base drives it."""
+        return self.kind in (BASE, BASE_FORCES)
+
+    @property
+    def planted(self) -> tuple[str, ...]:
+        """Families that can be hidden in it."""
+        cells = OF_CELLS if self.kind == BASE_FORCES else ()
+        return *STRUCTURAL, *((*OF_ANY, *cells) if self.on_base else SENSORS)
 
     def drawn(self, what: str) -> np.random.Generator:
         """A stream of random numbers of its own."""
@@ -229,6 +266,22 @@ class TestedStructure:
         A = A + (static - far)
         return np.asarray(-omega2[:, None, None] * A)
 
+    def on_base(self, frequency: Array, rows: Sequence[Sparse]) -> tuple[ComplexArray, ComplexArray]:
+        """(n, c, 6) accelerations along `rows`, and (n, 6, 6) what the base carries, for a unit of each of its accelerations.
+
+        What rides along as the base does, R, is loaded by D R, D = M - K / omega²; K R is of ties to the ground. With the
+        accelerances A to these loads the rest is -A D R, and the base has to bring R^T D R - (D R)^T A D R.
+        """
+        of, square = self.structure, (2 * np.pi * np.maximum(frequency, 1e-6)) ** 2
+        R, inertia, tied = of.rigid, of.mass @ of.rigid, of.stiffness @ of.rigid
+        loads, share = inertia, np.broadcast_to(np.eye(6), (len(square), 6, 6))
+        if np.abs(tied).max() > TIED * np.abs(of.stiffness.data).max() * np.abs(R).max():
+            loads, share = np.hstack([inertia, tied]), np.concatenate([share, -np.eye(6) / square[:, None, None]], axis=1)
+        read = np.array(rows).reshape(-1, len(R))
+        bent = -self.accelerance(frequency, [*read, *loads.T], list(loads.T)) @ share
+        carried = R.T @ loads @ share + share.swapaxes(1, 2) @ bent[:, len(read) :]
+        return read @ R + bent[:, : len(read)], carried
+
     def table(self, rows: Sequence[Sparse], low: float, high: float) -> tuple[Array, Array, Array]:
         """Frequencies (m,) [Hz] from `low` to `high`, ascending, damping ratios (m,), and shapes (m, c) along `rows`,
         of the modes that move one of them."""
@@ -295,8 +348,8 @@ def tested(plan: StructurePlan) -> TestedStructure:
         elif one.family in ("point-mass", "cable"):
             rows = share(made.places, one)[list(ALONG["".join(one.targets[1:])])]
             K, M = (K, M + value * (rows.T @ rows)) if one.family == "point-mass" else (K + value * (rows.T @ rows), M)
-        elif one.family not in SENSORS:
-            remedy = f"These can: {', '.join(PLANTED)}"
+        elif one.family not in plan.planted:
+            remedy = f"These can: {', '.join(plan.planted)}"
             raise BadInput(source="--effect", field=one.id, problem="no virtual test of a structure can hide it", remedy=remedy)
     structure = replace(made, stiffness=K, mass=M, part_stiffness=shares)
     return TestedStructure(highest=plan.band[1], structure=structure, losses=losses, ratio=usual if ratio is None else ratio)
@@ -311,14 +364,19 @@ class StructureTest:
     table : the description, as a TOML has it
     signals : by file beside it
     truth : what was planted and drawn
+    campaign : of a base that moves, instead of both
     """
 
-    table: Mapping[str, Any]
+    table: Mapping[str, Any] = field(default_factory=dict)
     signals: Mapping[str, Signals] = field(default_factory=dict)
     truth: Mapping[str, Any] = field(default_factory=dict)
+    campaign: Campaign | None = None
 
     def fill(self, folder: Path) -> None:
         """Write the test into `folder`."""
+        if self.campaign is not None:
+            campaign_file.write(folder, self.campaign)
+            return
         folder.mkdir(parents=True, exist_ok=True)
         for name, signals in self.signals.items():
             files.write(folder / name, signals)
@@ -348,11 +406,7 @@ def _row(structure: Structure, at: Point, faults: Sequence[Named], points: Mappi
         raise BadInput(source="simulate", field=place, problem=problem, remedy=f"Its places are {', '.join(structure.places)}")
     rows = structure.places[place]
     if np.any(shift):
-        centre = position_of(structure, place)
-        if centre is None:
-            problem = "nobody knows where this place is: the structure has no coordinates"
-            raise BadInput(source="--effect", field=place, problem=problem, remedy="Leave positions out")
-        rows = place_rows(structure, centre + shift)[0]
+        rows = place_rows(structure, _where(structure, place) + shift)[0]
     return np.asarray(d @ rows.toarray())
 
 
@@ -364,10 +418,8 @@ def simulate(plan: StructurePlan) -> StructureTest:
     BadInput : as `tested`; a point that the structure has not.
     """
     lab = tested(plan)
-    points = {one.name: one for one in plan.responses}
-    of_drives = [one for one in plan.effects if one.family in OF_DRIVES]
-    rows = [_row(lab.structure, one, [e for e in plan.effects if e not in of_drives], points) for one in plan.responses]
-    forces = [_row(lab.structure, one, of_drives, points) for one in plan.drives]
+    elastic = lab.lossy[0][lab.lossy[0].real > 0.01 * plan.band[0] ** 2]
+    slowest = float(np.min(elastic.imag / (2 * np.sqrt(elastic.real)) + lab.ratio * np.sqrt(elastic.real), initial=1e3))
     truth = {
         "effects": {one.id: dict(one.values) for one in plan.effects},
         "seed": plan.seed,
@@ -375,6 +427,13 @@ def simulate(plan: StructurePlan) -> StructureTest:
         "article": plan.article,
         "frequency_hz": [float(np.sqrt(x.real) / (2 * np.pi)) for x in sorted(lab.lossy[0], key=abs)[:40] if x.real > 0],
     }
+    if plan.on_base:
+        campaign, drawn = _swept(plan, lab, slowest)
+        return StructureTest(campaign=campaign, truth={**truth, "tolerances": drawn})
+    points = {one.name: one for one in plan.responses}
+    of_drives = [one for one in plan.effects if one.family in OF_DRIVES]
+    rows = [_row(lab.structure, one, [e for e in plan.effects if e not in of_drives], points) for one in plan.responses]
+    forces = [_row(lab.structure, one, of_drives, points) for one in plan.drives]
     if plan.kind == MODES:
         return StructureTest(table=_table(plan, lab, rows), truth=truth)
     about = {"format": 1, "kind": test_file.RESPONSE_FUNCTIONS, "title": plan.kind, "article": plan.article}
@@ -383,8 +442,6 @@ def simulate(plan: StructurePlan) -> StructureTest:
     where = {name: at for name in places if (at := position_of(lab.structure, name)) is not None}
     if where:
         about["coordinates"] = {name: [float(x) for x in at] for name, at in where.items()}
-    elastic = lab.lossy[0][lab.lossy[0].real > 0.01 * plan.band[0] ** 2]
-    slowest = float(np.min(elastic.imag / (2 * np.sqrt(elastic.real)) + lab.ratio * np.sqrt(elastic.real), initial=1e3))
     block = plan.block or min(LONGEST, max(RINGS_DOWN / slowest, 4 / plan.band[0]))
     gains = 1 + GAIN * plan.tolerances * plan.drawn("gains").standard_normal(len(rows) + 1)
     names = (*points, "force")
@@ -441,6 +498,76 @@ def simulate(plan: StructurePlan) -> StructureTest:
         signals[f"records-{k + 1}.h5"] = Signals(source="virtual test", sampling_rate=rate, samples=samples)
     records = {"kind": plan.kind, "block": size / rate}
     return StructureTest(table={**about, "records": records, **_files(plan, signals)}, signals=signals, truth=truth)
+
+
+def _swept(plan: StructurePlan, lab: TestedStructure, slowest: float) -> tuple[Campaign, dict[str, float]]:
+    """The campaign of a shaker that the structure stands on, and what was drawn for its measurement chain.
+
+    A pick-up beside its stated place reads what a turn of the base does there, as in every virtual test on a shaker, and of what
+    bends what its place does.
+    """
+    structure, model, (low, high) = lab.structure, plan.model, plan.band
+    scaled = replace(model.tolerances.scaled(plan.tolerances), fmd_inertia=model.fmd_tolerance * plan.tolerances)
+    shaker = Plan(
+        article=f"{FMD}+{plan.article}" if plan.kind == BASE_FORCES else plan.article,
+        seed=plan.seed,
+        tolerances=scaled,
+        scatter=Scatter().scaled(plan.tolerances),
+        effects=planted([one for one in plan.effects if one.family not in STRUCTURAL]),
+        band=plan.band,
+        octaves_per_minute=60 * float(np.log2(high / low)) * low / SWEPT,
+        cross=plan.cross,
+        noise_rms={quantity: plan.noise * size for quantity, size in ORDINARY.items()},
+        mains={},
+        rate=4 * high,
+        gravity=model.gravity,
+        on_article=tuple(one.name for one in plan.responses),
+        axis=plan.axis,
+    )
+    seat, nominal = (built_in(FMD).seat or Pose()).position, mavis(middles_of_cells(shaker), shaker.noise_rms)
+    mounting, upon, floor = Pose(position=seat - structure.reference_point), [], shaker.noise_rms["acceleration"] or None
+    for at in plan.responses:
+        sits = Place(position=mounting.apply(_where(structure, at.place)), direction=np.asarray(at.direction))
+        upon.append(Channel(name=at.name, quantity="acceleration", group="article", places=(sits,), noise_rms=floor))
+    read = [one for one in nominal.table.channels if one.group == "table" or plan.kind == BASE_FORCES]
+    layout = replace(nominal, table=ChannelTable(channels=(*upon, *read)))
+    chain = shaker.drawn_chain(layout)
+    for effect in shaker.effects:
+        chain = effect.chain(chain)
+    sensors = Sensors.of(layout, chain, model.gravity)
+    rows = [sensors.upon[k][1] @ structure.places[at.place].toarray() for k, at in enumerate(plan.responses)]
+    made: dict[int, ComplexArray] = {}
+
+    def record(run: DrivenRun) -> Array:
+        cross = cross_motion(shaker, run.name)
+        cross = cross and replace(cross, frequency=float(np.sqrt(low * high)))
+        rest = min(LONGEST, RINGS_OUT / slowest) + shaker.quiet
+        motion = run.pattern.motion(shaker.rate, ring_down=rest, cross=cross).acceleration  # type: ignore[attr-defined]
+        size = 1 << (2 * len(motion) - 1).bit_length()
+        if size not in made:
+            f = np.asarray(np.fft.rfftfreq(size, 1 / shaker.rate), dtype=np.float64)
+            fmd = (model.fmd or nominal_fmd(shaker)) if plan.kind == BASE_FORCES else None
+            made[size] = on_table(shaker, sensors, chain, (fmd, model.cell_stiffness), seat, f, *lab.on_base(f, rows))
+        spectrum = np.einsum("ncj,nj->nc", made[size], np.fft.rfft(motion, size, axis=0))
+        return np.asarray(np.fft.irfft(spectrum, size, axis=0)[: len(motion)])
+
+    campaign = recorded(shaker, layout, chain, record, mounting)
+    lines = Processing(start=low, stop=high, step=(high - low) / LINES)
+    return replace(campaign, processing=lines), dict(chain.deviations())
+
+
+def _where(structure: Structure, place: str) -> Array:
+    """(3,) [m] of a place.
+
+    Raises
+    ------
+    BadInput : nobody knows.
+    """
+    at = position_of(structure, place)
+    if at is None:
+        problem = "nobody knows where this place is: the structure has no coordinates"
+        raise BadInput(source="simulate", field=place, problem=problem, remedy="Leave it out, or what asks for its position")
+    return at
 
 
 def _files(plan: StructurePlan, signals: Mapping[str, Signals]) -> dict[str, Any]:
@@ -570,6 +697,8 @@ def plan_of(
     drives: Sequence[str],
     responses: Sequence[str],
     block: float,
+    axis: str = "",
+    cross: float = CROSS,
 ) -> StructurePlan:
     """The plan of `massline simulate MODEL.toml`; points and band are those of the model's own test where it names one.
 
@@ -584,10 +713,6 @@ def plan_of(
     article = model.article if model.article in model.own else next(iter(model.own), "")
     words = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
     named = parse_all(effects, words)
-    for one in named:
-        if one.family not in PLANTED:
-            remedy = f"These can: {', '.join(PLANTED)}"
-            raise BadInput(source="--effect", field=one.id, problem="no virtual test of a structure can hide it", remedy=remedy)
     users = reading.load(model.own[article]) if article else None
     if users is None or not isinstance(users.model, Structure):
         problem = "it names no structure with matrices, a mesh or a frame"
@@ -609,15 +734,24 @@ def plan_of(
         seen = tuple(point(one, source=path, field="--response") for one in moving)
     if not seen:
         raise BadInput(source=path, field="places", problem="it names no place", remedy='Name points, --response "tip:z"')
-    driven = listed(drives, ("drive",), "--drive")
+    based = kind in (BASE, BASE_FORCES)
+    if based and not len(users.model.held):
+        problem = f'is "{"ground" if users.model.grounded else "free"}": it has no base that could be shaken'
+        remedy = 'State support = "base" with its interface, or strike it where it is with --test hammer'
+        raise BadInput(source=path, field="fe_model.support", problem=problem, remedy=remedy)
+    wrong = {"--drive": drives, "--block": block} if based else {"--axis": axis, "--cross": cross != CROSS}
+    if stray := [option for option, given in wrong.items() if given]:
+        problem = "is no option of a test by base motion" if based else "is an option of --test base and base-forces"
+        raise BadInput(source=stray[0], problem=problem, remedy="Leave it out")
+    if axis:
+        toml_file.one_of(axis, tuple("xyz") if kind == BASE else (), source="--axis", where="")
+    driven = () if based else listed(drives, ("drive",), "--drive")
     for at in (*driven, *seen):
         if at.place not in users.model.places:
-            known = ", ".join(list(users.model.places)[:20])
-            raise BadInput(
-                source=path, field=at.place, problem="the structure has no such place", remedy=f"Its places are {known}"
-            )
+            remedy = f"Its places are {', '.join(list(users.model.places)[:20])}"
+            raise BadInput(source=path, field=at.place, problem="the structure has no such place", remedy=remedy)
     limits = band or tuple(own.get("band", ())) or None
-    if limits is None or not driven:
+    if limits is None or not (driven or based):
         trial = StructurePlan(model=model, kind=MODES, article=article, drives=(), responses=seen, band=(1.0, 100.0))
         squares, shapes, _, _ = tested(trial).modes
         elastic = np.flatnonzero(squares > RIGID * squares[:12].max(initial=0.0))[:LOWEST]
@@ -626,14 +760,17 @@ def plan_of(
             raise BadInput(source=path, field="fe_model", problem="it has no elastic mode to be tested", remedy=remedy)
         lowest = np.sqrt(squares[elastic]) / (2 * np.pi)
         limits = limits or (0.5 * float(lowest[0]), 1.3 * float(lowest[-1]))
-        if not driven:  # where all of them move, as far as one direction moves them all
+        if not driven and not based:  # where all of them move, as far as one direction moves them all
             moved = np.abs(np.array([_row(users.model, one, (), {}) for one in seen]) @ shapes[:, elastic])
             share = moved / np.maximum(moved.max(axis=0), np.finfo(np.float64).tiny)
             driven = (seen[int(np.argmax(np.mean(np.log(np.maximum(share, AT_REST)), axis=1).round(6)))],)
-    among = {"drive point": {one.name for one in driven}, "accelerometer": {one.name for one in seen}, "force": {"force"}}
+    points, below = {one.name for one in driven}, {"force"}
+    if based:
+        of_table = {f"table-{axis}1"} if axis else {one for one in ACCELEROMETERS if one.startswith("table")}
+        below = {*of_table, *((ACCELEROMETERS.keys() - of_table) | FORCES.keys() if kind == BASE_FORCES else ())}
     for one in named:
         if one.family in SENSORS and one.targets:
-            legal = among["drive point"] if one.family in OF_DRIVES else among["accelerometer"] | among["force"]
+            legal = points if one.family in OF_DRIVES else {one.name for one in seen} | below
             if one.target not in legal:
                 remedy = f"{nearest(one.target, legal)}There are {', '.join(sorted(legal))}"
                 raise BadInput(source="--effect", field=one.id, problem="the test has no such channel", remedy=remedy)
@@ -651,6 +788,8 @@ def plan_of(
         tolerances=tolerances,
         band=(float(limits[0]), float(limits[1])),
         block=block,
+        axis=axis,
+        cross=cross,
     )
 
 

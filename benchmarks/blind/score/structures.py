@@ -30,11 +30,13 @@ class StructureOutcome:
     ----------
     of : as any outcome; a place, by coordinates or a sensor's, that is near enough bears the name of the one that was planted
     shape : kind of structure
+    test : kind of test
     away : distance from the planted place without a name to the one that was found, over that of sensors; None without one
     """
 
     of: Outcome
     shape: str
+    test: str = ""
     away: float | None = None
 
     @property
@@ -68,7 +70,9 @@ def structure_outcome(truth: Json, answer: Json) -> StructureOutcome:
             if away <= NEAR and one["id"] not in renamed.values():
                 renamed[id] = one["id"]
     found = outcome(truth, _renamed(answer, renamed))
-    return StructureOutcome(of=replace(found, seconds=found.seconds), shape=truth["shape"], away=min(aways, default=None))
+    return StructureOutcome(
+        of=replace(found, seconds=found.seconds), shape=truth["shape"], test=truth.get("test", ""), away=min(aways, default=None)
+    )
 
 
 def _renamed(answer: Json, names: Mapping[str, str]) -> Json:
@@ -129,10 +133,15 @@ def _share(what: str, hits: Iterable[bool], bar: str, least: float) -> Row:
 
 
 def by_group(found: Sequence[StructureOutcome]) -> list[tuple[str, Rate, Rate]]:
-    """By kind of structure and by family of a single fault: how many were right, and wrong."""
+    """By kind of structure, of test and by family of a single fault: how many were right, and wrong."""
     singles = [one for one in found if one.of.kind == SINGLE]
     groups: dict[str, list[StructureOutcome]] = {}
     for one in singles:
-        for name in (one.shape, *one.of.families, *(f"{one.of.multiple:g} times its limit" for _ in one.of.families)):
+        for name in (
+            one.shape,
+            *([one.test] if one.test else []),
+            *one.of.families,
+            *(f"{one.of.multiple:g} times its limit" for _ in one.of.families),
+        ):
             groups.setdefault(name, []).append(one)
     return [(name, rate(one.right for one in some), rate(one.wrong for one in some)) for name, some in sorted(groups.items())]

@@ -17,14 +17,20 @@ from geometry.frames import Array
 from validation.effects.effect import at_position
 from validation.virtual_test.layout import stream
 
-STRUCTURES = 30
-"""[count] of a draw: 30 nulls, 90 single faults of the structure and 30 of a sensor, 15 pairs and 15 that have no name."""
+STRUCTURES = 38
+"""[count] of a draw: 38 nulls, 114 single faults of the structure and 38 of a sensor, 19 pairs and 19 that have no name."""
+
+STRUCK = 30
+"""[count] of the first of them: those behind stand on a base that moves."""
 
 MULTIPLES = (5.0, 15.0, 2.0)
 """Sizes over the detection limit, in the order in which they are drawn."""
 
 ATTACHED = ("point-mass", "cable", "absorber", "slosh", "rigid-inertia")
 """Families that a diagnosis does without of what is attached somewhere and has no name then."""
+
+BASE, BASE_FORCES = ON_BASE = ("base-motion", "base-motion-and-forces")
+"""Accelerations of a base and on the structure, and the forces below it, too: in turn of frames, trusses, boxes and barrels."""
 
 FUNCTIONS, TABLE = TESTS = ("response-functions", "modal-table")
 """In turn."""
@@ -64,7 +70,7 @@ class StructureCase:
     name, kind, laboratory, leave_out, null : as there
     shape : of `benchmarks.blind.structures.shapes.KINDS`
     structure : seed of it and of its sensors
-    test : of `TESTS`
+    test : of `TESTS` or `ON_BASE`
     wanted : its faults
     before : those of the single faults of the structure before this one, none of which it may have again
     """
@@ -87,13 +93,17 @@ def draw(seed: int, kinds: Sequence[str], structures: int) -> tuple[StructureCas
     for number in range(structures):
         generator = stream(seed, "structure", f"{number}")
         name, shape = f"structure-{number:03d}", shapes.KINDS[number % len(shapes.KINDS)]
+        test = TESTS[(number // len(shapes.KINDS)) % 2]
+        if number >= STRUCK:
+            held = [one for one in shapes.KINDS if one != shapes.PLATE]
+            shape, test = held[(number - STRUCK) % len(held)], ON_BASE[((number - STRUCK) // len(held)) % 2]
         of = StructureCase(
             name=f"{name}-null",
             kind=NULL,
             laboratory=int(generator.integers(1, 2**31)),
             shape=shape,
             structure=int(generator.integers(1, 2**31)),
-            test=TESTS[(number // len(shapes.KINDS)) % 2],
+            test=test,
             null=f"{name}-null",
         )
         found += [one for one in _of(of, name, number, generator) if one.kind in kinds]
@@ -103,9 +113,9 @@ def draw(seed: int, kinds: Sequence[str], structures: int) -> tuple[StructureCas
 def _of(null: StructureCase, name: str, number: int, generator: np.random.Generator) -> Iterator[StructureCase]:
     yield null
     named = ["modulus", "mass", *(["thickness"] if null.shape in (shapes.PLATE, shapes.BARREL) else [])]
-    named += ["support-stiffness"] if null.shape in (shapes.FRAME, shapes.TRUSS) else []
+    named += ["support-stiffness"] if null.shape in (shapes.FRAME, shapes.TRUSS) and null.test in TESTS else []
     named += 2 * ["connection-compliance"] if null.shape == shapes.BOXES else []
-    named += ["structural-damping"] if null.test == FUNCTIONS else []
+    named += ["structural-damping"] if null.test != TABLE else []
     everywhere = ("point-mass", "cable")
 
     def one(family: str, multiple: float) -> Wanted:

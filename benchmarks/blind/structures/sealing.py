@@ -17,12 +17,25 @@ import numpy as np
 
 from benchmarks.blind.names import MODEL, SETTINGS, Json
 from benchmarks.blind.structures import shapes
-from benchmarks.blind.structures.drawing import FUNCTIONS, OF_SENSORS, TABLE, Fault, StructureCase, at_node, planted
+from benchmarks.blind.structures.drawing import (
+    BASE_FORCES,
+    FUNCTIONS,
+    OF_SENSORS,
+    ON_BASE,
+    TABLE,
+    Fault,
+    StructureCase,
+    at_node,
+    planted,
+)
 from fem.structure import Structure, place_rows
 from fem.user_model import reading
 from geometry.atomic import write_text
 from geometry.dynamic_mass import MOTIONS
-from geometry.frames import Array
+from geometry.frames import Array, Pose, rigid_transformation, rigid_transformation_6
+from geometry.inertia import Inertia
+from geometry.sensors import Channel, ChannelTable, Place
+from identification.campaign import Campaign, Recording, Run
 from identification.files.files import Signals
 from validation.diagnose.candidates import baseline, candidates, detectable, screen
 from validation.effects.catalogue import FAMILIES
@@ -32,7 +45,7 @@ from validation.study import Study
 from validation.virtual_test.layout import stream
 from validation.virtual_test.structure_tests import StructureTest, TestedStructure
 
-MESH, TEST = "mesh.inp", "test.toml"
+MESH, TEST, CAMPAIGN = "mesh.inp", "test.toml", "campaign"
 
 Band = tuple[float, float]
 
@@ -48,6 +61,31 @@ NODES = 4
 NOISE, GAIN, FREQUENCY, SHAPE = 0.004, 0.003, 1e-3, 0.02
 """Relative, one standard deviation: of a response function, of a sensor, of a measured frequency, of an entry of a shape."""
 
+RECORDED = 0.001
+"""[1] Share of each reading of a test by base motion that is noise, beside `NOISE` of the loudest of its kind in all of them."""
+
+CROSS = 0.03
+"""[1] Of what a base does along its other axes, one standard deviation."""
+
+SEAT = np.array([0.0, 0.0, 0.05])
+"""[m] From F, where a structure stands on the plate."""
+
+CELL = np.array([8e8, 8e8, 2e9])
+"""[N/m] Stiffness of a load cell along x, y, z."""
+
+PLATE = Inertia.from_cog(15.0, (0.0, 0.0, 0.02), np.diag([0.25, 0.25, 0.5])).mass_matrix
+"""What the cells carry beside the structure, about F, as the model states it."""
+
+PLATE_KNOWN = 0.005
+"""Share within which that is known, half of what the model states."""
+
+LABORATORY = """
+[laboratory]
+cell_stiffness_N_m = [8e8, 8e8, 2e9]
+fmd = { mass_kg = 15.0, cog_mm = [0.0, 0.0, 20.0], moi_cog_kgm2 = [0.25, 0.25, 0.5], tolerance = 0.01 }
+
+"""
+
 OF_PARTS = ("modulus", "mass", "thickness", "support-stiffness", "connection-compliance", "structural-damping")
 KNOWN = (*OF_PARTS, *OF_SENSORS)
 """Families whose faults have names."""
@@ -55,7 +93,7 @@ KNOWN = (*OF_PARTS, *OF_SENSORS)
 
 def sealed(case: StructureCase, folder: Path) -> Json:
     """The truth of `case`, whose model and test are written into `folder`."""
-    plan, places, fine, band = _drawn(case.shape, case.structure)
+    plan, places, fine, band = _drawn(case.shape, case.structure, case.test in ON_BASE)
     null = replace(case, name="", kind="", wanted=(), before=(), leave_out=(), null="")
     faults = planted(case, limits_of(null)) if case.wanted else ()
     _handed_over(case, plan, places, fine, band, faults, folder)
@@ -84,9 +122,9 @@ def truth(case: StructureCase, faults: Sequence[Fault], places: Mapping[str, sha
 
 
 @lru_cache(maxsize=1)
-def _drawn(kind: str, structure: int) -> tuple[shapes.Plan, dict[str, shapes.Point], Structure, Band]:
+def _drawn(kind: str, structure: int, base: bool) -> tuple[shapes.Plan, dict[str, shapes.Point], Structure, Band]:
     """The plan of a structure, its sensors, its finer mesh and the band of its tests: all cases of it have the same."""
-    plan = shapes.drawn(kind, stream(structure, "plan"))
+    plan = shapes.drawn(kind, stream(structure, "plan"), base=base)
     places = _sensors(plan, structure)
     with TemporaryDirectory() as scratch:
         fine = written(plan, places, Path(scratch), fine=True)
@@ -117,7 +155,7 @@ def written(plan: shapes.Plan, places: Mapping[str, shapes.Point], folder: Path,
 @lru_cache(maxsize=2)
 def limits_of(null: StructureCase) -> Mapping[str, float]:
     """By id the smallest size that `null` would name, of faults with names and at some nodes that have none."""
-    plan, places, fine, band = _drawn(null.shape, null.structure)
+    plan, places, fine, band = _drawn(null.shape, null.structure, null.test in ON_BASE)
     with TemporaryDirectory() as scratch:
         folder = Path(scratch) / "null"
         _handed_over(null, plan, places, fine, band, (), folder)
@@ -125,15 +163,16 @@ def limits_of(null: StructureCase) -> Mapping[str, float]:
 
 
 def _limits(folder: Path, null: StructureCase) -> dict[str, float]:
-    study = Study.open(folder / MODEL, [folder / TEST])
+    study = Study.open(folder / MODEL, [folder / _data(null)])
     base = baseline(study)
     menu = [one for one in candidates(study) if one.named.family in KNOWN and "every" not in one.named.targets]
     found = {one.id: one.size for one in detectable(screen(study, base, menu)) if not one.at}  # to either side
     generator = stream(null.laboratory, "nodes")
-    reduced = study.tests[0].structure.reduced  # type: ignore[union-attr]
+    reduced = (*study.tests, *study.made)[0].structure.reduced  # type: ignore[union-attr]
     assert reduced is not None
     points, moved = reduced.nodes()
-    size = np.linalg.norm(reduced.basis[moved][:, :, :MODES], axis=(1, 2))
+    first = reduced.matrices.base  # modes come behind the motions of a base
+    size = np.linalg.norm(reduced.basis[moved][:, :, first : first + MODES], axis=(1, 2))
     lively = np.flatnonzero(size > 0.2 * size.max())
     nodes = points[generator.choice(lively, NODES, replace=False)]
     ready = study.ready_at([at_node("point-mass", node, "").partition(":")[2] for node in nodes])
@@ -156,8 +195,9 @@ def _handed_over(
     to.mkdir(parents=True, exist_ok=True)
     write_text(to / MESH, plan.mesh(fine=False).text())
     head = f'format = 1\nmodel = {{ title = "a structure", article = "{ARTICLE}" }}\n'
+    head += LABORATORY if case.test == BASE_FORCES else ""
     write_text(to / MODEL, head + plan.description(MESH, places))
-    write_text(to / SETTINGS, json.dumps({"data": [TEST], "hold_out": [], "leave_out": list(case.leave_out)}))
+    write_text(to / SETTINGS, json.dumps({"data": [_data(case)], "hold_out": [], "leave_out": list(case.leave_out)}))
     tested, losses = with_faults(fine, case.laboratory, faults)
     lab = TestedStructure(highest=band[1], structure=tested, losses=losses, ratio=0.0)
     generator = stream(case.laboratory, "test")
@@ -166,12 +206,19 @@ def _handed_over(
     gains = 1 + GAIN * generator.standard_normal(len(sensors))
     sizes = {one.id: one.size for one in faults}
     gains *= [1 + sizes.get(f"accelerometer-gain:{one.replace(':', '-')}", 0.0) for one in sensors]
-    if case.test == FUNCTIONS:
+    if case.test in ON_BASE:
+        at = [np.array(places[one[:-2]]) / 1e3 for one in sensors]
+        made = _on_base(lab, rows, sensors, at, gains, band, generator, forces=case.test == BASE_FORCES)
+    elif case.test == FUNCTIONS:
         late = np.array([sizes.get(f"accelerometer-delay:{one.replace(':', '-')}", 0.0) for one in sensors])
         made = _functions(lab, rows, sensors, gains, late, band, generator)
     else:
         made = _table(lab, rows, sensors, gains, band, generator)
-    made.fill(to)
+    made.fill(to / CAMPAIGN if case.test in ON_BASE else to)
+
+
+def _data(case: StructureCase) -> str:
+    return CAMPAIGN if case.test in ON_BASE else TEST
 
 
 def read_by(tested: Structure, sensor: str, at: shapes.Point, faults: Sequence[Fault]) -> Array:
@@ -280,6 +327,64 @@ def _functions(
     files = [{"path": name, "drive": drive} for name, drive in zip(signals, drives, strict=True)]
     table = {"format": 1, "kind": FUNCTIONS, "article": ARTICLE, "responses": list(sensors), "files": files, "share": NOISE}
     return StructureTest(table=table, signals=signals)
+
+
+def _on_base(
+    lab: TestedStructure,
+    rows: Sequence[Array],
+    sensors: Sequence[str],
+    at: Sequence[Array],
+    gains: Array,
+    band: Band,
+    generator: np.random.Generator,
+    *,
+    forces: bool,
+) -> StructureTest:
+    """Six runs of a base that moves along one axis and a little along the others: spectra of accelerometers on it, of `sensors`,
+    which sit `at` (3,) [m], and of the cells below the plate that carries it, which share a load by their stiffness."""
+    f = np.linspace(*band, LINES)
+    bent, carried = lab.on_base(f, rows)
+    X = rigid_transformation_6(SEAT)
+    corners = [np.array([x, y, 0.0]) for x, y in ((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2))]
+    base = [*((f"z{k + 1}", k, 2) for k in range(4)), ("x1", 0, 0), ("x2", 3, 0), ("y1", 0, 1), ("y2", 1, 1)]
+    channels, read = [], []
+    for name, corner, axis in base:
+        channels.append(_channel(f"base-{name}", "acceleration", "cover", corners[corner] + SEAT, axis))
+        read.append(np.broadcast_to(rigid_transformation(corners[corner] + SEAT)[axis], (LINES, 6)))
+    for name, place, row in zip(sensors, at, (bent @ X).transpose(1, 0, 2), strict=True):
+        channels.append(_channel(name.replace(":", "-"), "acceleration", "article", place + SEAT, "xyz".index(name[-1])))
+        read.append(row)
+    if forces:
+        plate = PLATE * (1 + PLATE_KNOWN * generator.standard_normal())
+        G, stiff = np.vstack([rigid_transformation(one) for one in corners]), np.tile(CELL, len(corners))[:, None]
+        shared = stiff * G @ np.linalg.solve(G.T @ (stiff * G), X.T @ carried @ X + plate)
+        for one in range(shared.shape[1]):
+            channels.append(_channel(f"cell-{one // 3 + 1}{'xyz'[one % 3]}", "force", "fmd", corners[one // 3], one % 3))
+            read.append(shared[:, one])
+    every = 1 + GAIN * generator.standard_normal(len(channels))
+    every[len(base) : len(base) + len(gains)] = gains
+    names, runs, recordings = tuple(one.name for one in channels), [], {}
+    for k, motion in enumerate(MOTIONS):
+        moved = np.array([2.0, 2.0, 2.0, 6.0, 6.0, 6.0]) * np.where(np.arange(6) == k, 1.0, CROSS * generator.standard_normal(6))
+        Y = every[:, None] * (np.array(read) @ moved)
+        noise = generator.standard_normal((*Y.shape, 2)) @ np.array([1, 1j]) / np.sqrt(2)
+        alike = [[one.quantity == of.quantity for one in channels] for of in channels]
+        usual = np.array([[np.median(np.abs(Y[which]).max(axis=0))] for which in alike])
+        Y = Y + noise * np.hypot(RECORDED * np.abs(Y), NOISE * usual)
+        recordings[motion] = Recording(names=names, values=Y.T, frequency=f, source=motion)
+        runs.append(Run(name=motion, file=f"{motion}.h5", axis=motion))
+    article = f"fmd+{ARTICLE}" if forces else ARTICLE
+    table = ChannelTable(channels=tuple(channels))
+    mounting = Pose(position=SEAT)
+    made = Campaign(title="a draw", article=article, table=table, runs=tuple(runs), recordings=recordings, mounting=mounting)
+    return StructureTest(campaign=made)
+
+
+def _channel(name: str, quantity: str, group: str, at: Array, axis: int) -> Channel:
+    direction = np.eye(3)[axis]
+    return Channel(
+        name=name, quantity=quantity, group=group, places=(Place(position=at, direction=direction),), senses_gravity=False
+    )
 
 
 def _table(

@@ -7,7 +7,7 @@ triangles among twice as many quadrangles, with more bricks, and with three time
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
 
 import numpy as np
@@ -100,6 +100,7 @@ class Plan:
     more : lines of supports and joints
     support : "ground" or "free"
     held : whether the ground holds nodes of it
+    stands : where a base would hold it
     """
 
     kind: str
@@ -108,6 +109,7 @@ class Plan:
     more: tuple[str, ...] = ()
     support: str = "ground"
     held: bool = False
+    stands: Callable[[Array], bool] = lambda at: bool(at[2] == 0)
 
     def mesh(self, *, fine: bool) -> Mesh:
         """Coarse for the model, fine for the test."""
@@ -126,10 +128,20 @@ class Plan:
         return "\n".join(lines) + "\n"
 
 
-def drawn(kind: str, generator: np.random.Generator) -> Plan:
-    """A structure of that kind."""
+def drawn(kind: str, generator: np.random.Generator, *, base: bool = False) -> Plan:
+    """A structure of that kind; held by a `base` that moves, where it is free, on springs or on the ground otherwise."""
     plans = {FRAME: _frame, TRUSS: _truss, PLATE: _plate, BOXES: _boxes, BARREL: _barrel}
-    return plans[kind](generator)
+    found = plans[kind](generator)
+    if not base:
+        return found
+
+    def build(mesh: Mesh) -> None:
+        found.build(mesh)
+        if not found.held:
+            mesh.hold(found.stands)
+
+    springs = tuple(one for one in found.more if not one.startswith("[fe_model.springs"))
+    return replace(found, build=build, more=springs, support="base", held=True)
 
 
 LOSS = "loss_factor = 0.02"
@@ -202,7 +214,7 @@ def _truss(generator: np.random.Generator) -> Plan:
 
     more = tuple(_spring(f"bearing-{k + 1}", at, generator, 1e4) for k, at in enumerate(ends))
     parts = {name: _beam(generator, 15, 30) for name in names}
-    return Plan(kind=TRUSS, build=build, parts=parts, more=more)
+    return Plan(kind=TRUSS, build=build, parts=parts, more=more, stands=lambda at: at[2] == 0 and at[0] in (0.0, bays * long))
 
 
 def _plate(generator: np.random.Generator) -> Plan:

@@ -12,6 +12,10 @@ from fem.structure import Structure
 from fem.user_model import reading
 from validation.diagnose import landmark_search
 from validation.diagnose.candidates import candidates
+from validation.diagnose.diagnose import parting
+from validation.diagnose.diagnosis import Candidate
+from validation.estimation.fit import nearby
+from validation.estimation.problem import FITTED
 from validation.prediction.landmarks import Landmark
 from validation.study import Study
 
@@ -136,3 +140,34 @@ def test_a_foot_of_a_twelfth_of_its_stiffness_is_found_between_sizes_that_explai
     first, _ = view.nearest(menu, 2)
     assert first.ids == {"support-stiffness:left"}
     assert abs(first.effects[0].named.value / SOFTER - 1) < 0.1
+
+
+def table_of_middle(portal, run, *axes: str) -> Study:
+    """The portal on feet of which the left one is soft, and a table of its modes at the middle of the lintel."""
+    on_feet(portal, Path(), 8)
+    asked = "simulate portal.toml --test modes --tolerances off --seed 2 --band 5 700 --effect support-stiffness:left=0.08"
+    assert run(*asked.split(), *(part for axis in axes for part in ("--response", f"c:{axis}")), "--out", "made")[0] == 0
+    return Study.open("portal.toml", ["made/test.toml"])
+
+
+def test_shapes_that_tolerances_move_by_very_much_can_be_looked_at_from_afar(portal, tmp_path, run):
+    """ "19-th leading minor of the array is not positive definite": ratios to what hardly moves had left no 1 beside them."""
+    view = landmark_search.DistantView(marks=Landmark.of_tests(table_of_middle(portal, run, "x", "y", "z").predictions))
+    assert np.isfinite(view.explained(()).chi2)
+    assert np.all(np.diag(view.root) >= 1 - 1e-9)
+
+
+def test_what_is_alike_from_afar_is_told_apart_by_a_pick_up_that_is_proposed(portal, tmp_path, run):
+    """Which of two feet of a portal is soft its middle does not tell; the class had no more than what would confirm one of it."""
+    study = table_of_middle(portal, run, "x", "y")
+    menu = candidates(study)
+    found = landmark_search.FromAfar.search(study, menu, lambda what, share: None)
+    assert found is not None
+    (alike,) = found.alike.values()
+    assert set(alike) == {"support-stiffness:left", "support-stiffness:right"}
+    problem = study.problem(found.best.effects)
+    first = Candidate(effects=found.best.effects, fit=nearby(problem, FITTED, problem.start), problem=problem)
+    (advice, *_) = parting(study, first, found, menu, lambda what, share: None)
+    assert advice.test.startswith("Add a pick-up at @")
+    assert set(advice.separates) == set(alike)
+    assert advice.gain > 5

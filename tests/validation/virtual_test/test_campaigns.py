@@ -91,7 +91,8 @@ def test_effects_on_whole_signals_see_what_is_streamed_otherwise(elastic_plan):
 def test_effects_on_the_record_come_after_the_noise(rigid_plan):
     grams = PlantedEffect(id="unit", record=lambda sensed: replace(sensed, values=sensed.values / 9.81))
     plain, scaled = (replace(exact(rigid_plan()), noise_rms={"force": 1.0}, effects=effects) for effects in ((), (grams,)))
-    values = [recording(plan, laboratory(plan), runs(plan)[0]).values for plan in (plain, scaled)]
+    labs = [(plan, laboratory(plan), runs(plan)[0]) for plan in (plain, scaled)]
+    values = [recording(plan, lab.layout, lab.chain, run, record(plan, lab, run)).values for plan, lab, run in labs]
     assert_allclose(values[1], values[0] / 9.81, rtol=1e-12)
 
 

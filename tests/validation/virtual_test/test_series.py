@@ -10,7 +10,7 @@ from numpy.testing import assert_array_equal
 
 from validation.virtual_test.layout import stream, token
 from validation.virtual_test.plan import Plan
-from validation.virtual_test.simulate import cross_motion, laboratory, recording, runs
+from validation.virtual_test.simulate import cross_motion, laboratory, record, recording, runs
 
 ARTICLES = ("fmd", "fmd+disc+cuboid", "fmd+clumod-1", "fmd+clumod-4")
 
@@ -53,7 +53,8 @@ def test_noise_and_cross_motion_belong_to_article_and_run():
 
 def test_the_same_plan_is_the_same_run_to_the_last_bit(elastic_plan, ordinary):
     plan = elastic_plan(seed=987654321)
-    again = recording(plan, laboratory(plan), runs(plan)[3])
+    lab, run = laboratory(plan), runs(plan)[3]
+    again = recording(plan, lab.layout, lab.chain, run, record(plan, lab, run))
     assert_array_equal(again.values, ordinary("fmd+clumod-1").campaign.recordings["alpha"].values)
 
 

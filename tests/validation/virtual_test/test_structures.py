@@ -1,15 +1,21 @@
 """Virtual tests of structures: the same whenever they are made."""
 
+import json
 import tomllib
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
 
 from fem.user_model import reading
+from validation.estimation.fit import fit
+from validation.history.verdict import body_of
+from validation.study import Study
 from validation.virtual_test import structure_tests
 
 
@@ -124,3 +130,120 @@ def test_a_table_has_no_mode_that_moves_no_sensor_and_one_that_has_is_compared_a
     code, out, err = run("compare", "mast.toml", "across.toml")
     assert code in (0, 1), err
     assert "Where it fails".lower() in out.lower()
+
+
+# On a base that moves.
+
+
+@pytest.fixture
+def on_base(portal: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A portal whose feet a base carries, in the working folder."""
+    monkeypatch.chdir(tmp_path)
+    model = portal(Path(), 8)
+    model.write_text(model.read_text().replace('support = "ground"', 'support = "base"'))
+    return model
+
+
+def asked(kind: str, *more: str) -> list[str]:
+    points = ("a:x", "a:z", "b:x", "b:y", "c:z")
+    band = [] if "--band" in more else ["--band", "20", "150"]
+    return ["simulate", "portal.toml", "--test", kind, *(part for one in points for part in ("--response", one)), *band, *more]
+
+
+@pytest.mark.parametrize("whole", [True, False], ids=["all modes", "some modes and answers"])
+def test_a_base_moves_a_structure_and_what_ties_it_to_the_ground_as_whole_matrices_say(
+    on_base: Path, monkeypatch: pytest.MonkeyPatch, whole: bool
+) -> None:
+    """Degrees of freedom that the base carries are prescribed, all others solved for; its load is what these matrices pull."""
+    if not whole:
+        monkeypatch.setattr(structure_tests, "WHOLE", 10)
+        monkeypatch.setattr(structure_tests, "MOST_MODES", 12)
+    made = reading.load(on_base).model
+    row, held = made.places["b"][[1]], made.held
+    tied = replace(made, stiffness=csr_array(made.stiffness + 3e4 * (row.T @ row)))
+    assert len(held)
+    losses = {"posts": 0.02, "lintel": 0.05}
+    lost = sum(eta * made.part_stiffness[part] for part, eta in losses.items())
+    rows = [along for name in ("a", "c") for along in made.places[name].toarray()]
+    frequency = np.array([30.0, 80.0, 140.0])
+    for of in (made, tied):
+        lab = structure_tests.TestedStructure(highest=150.0, structure=of, losses=losses, ratio=0.0)
+        for f, read, carried in zip(frequency, *lab.on_base(frequency, rows), strict=True):
+            square = (2 * np.pi * f) ** 2
+            D = csr_array(of.mass - (of.stiffness + 1j * lost) / square)
+            moved = np.zeros((D.shape[0], 6), dtype=complex)
+            moved[held] = of.rigid[held]
+            pushed = (D[of.free][:, held] @ of.rigid[held]).astype(complex)
+            moved[of.free] = -splu(D[of.free][:, of.free].tocsc()).solve(pushed)
+            for found, due in ((read, np.array(rows) @ moved), (carried, of.rigid.T @ (D @ moved))):
+                assert np.abs(found - due).max() < (1e-8 if whole else 1e-4) * np.abs(due).max()
+
+
+@pytest.mark.parametrize("kind", ["base", "base-forces"])
+def test_without_noise_and_tolerances_a_base_test_is_what_its_own_model_predicts(kind: str, on_base: Path, run: Any) -> None:
+    """The one answers by whole matrices and by records in time, the other by some coordinates at lines."""
+    code, _, err = run(*asked(kind, "--tolerances", "off", "--noise", "off", "--out", "test"))
+    assert code == 0, err
+    (of,) = Study.open(on_base, ["test"]).made
+    below = [k for k, name in enumerate(of.measured.channels) if name.startswith("cover" if kind == "base-forces" else "table")]
+    others = [k for k, name in enumerate(of.measured.channels) if k not in below and not name.startswith("table")]
+    assert len(others) == (13 if kind == "base-forces" else 5)
+    rows = of.at({}, derivatives=False).rows
+    for values in of.measured.values:
+        base = np.stack([np.linalg.lstsq(R[below], y[below], rcond=None)[0] for R, y in zip(rows, values, strict=True)])
+        away = np.einsum("ncj,nj->nc", rows, base) - values
+        assert np.abs(away[:, others]).max(axis=0) == pytest.approx(0, abs=1e-5 * np.abs(values[:, others]).max())
+
+
+def test_six_base_motions_without_forces_are_read_where_something_on_the_structure_is_and_no_inertia_is_told(
+    on_base: Path, run: Any
+) -> None:
+    """`check` had it that six resultants could not be told, and every command refused the folder."""
+    assert run(*asked("base", "--out", "test"))[0] == 0
+    code, out, _ = run("check", "test")
+    assert (code, "resultants" in out.partition("what is determined")[0]) == (0, False)
+    study = Study.open(on_base, ["test"])
+    assert body_of(study, fit(study.problem().thinned(), ()), lambda _: None) is None
+    code, _, err = run("identify", "test", "--modes", "0", "--no-study")
+    assert (code, "load cells do not tell" in err) == (2, True)
+    text = Path("test/campaign.toml")
+    text.write_text(text.read_text().replace('group = "article"', 'group = "table"'))
+    code, out, _ = run("check", "test")
+    assert (code, "resultants" in out) == (2, True)
+
+
+def test_what_stands_on_no_base_or_asks_for_what_the_test_has_not_is_refused(on_base: Path, refused: Any) -> None:
+    out = ("--out", "none")
+    assert "is no option of a test by base motion" in refused(*asked("base", "--drive", "a:x", *out))
+    assert "is no option of a test by base motion" in refused(*asked("base", "--block", "3", *out))
+    assert "is an option of --test base" in refused(*asked("shaker", "--axis", "x", *out))
+    assert "--axis" in refused(*asked("base-forces", "--axis", "x", *out))
+    assert "must be one of x, y, z" in refused(*asked("base", "--axis", "beta", *out))
+    assert "the test has no such channel" in refused(*asked("base", "--effect", "force-gain:fmd-z1=0.1", *out))
+    assert "can hide it" in refused(*asked("base", "--effect", "cell-stiffness:1z=0.1", *out))
+    assert "can hide it" in refused(*asked("base", "--effect", "transducer-mass=0.1", *out))
+    on_base.write_text(on_base.read_text().replace('support = "base"', 'support = "ground"'))
+    for kind in ("base", "base-forces"):
+        said = refused(*asked(kind, *out))
+        assert 'is "ground": it has no base that could be shaken' in said
+        assert "--test hammer" in said
+    assert not Path("none").exists()
+
+
+def test_a_single_axis_shaker_of_a_structure_has_one_pilot_and_says_how_large_the_rest_is(on_base: Path, run: Any) -> None:
+    assert run(*asked("base", "--axis", "x", "--cross", "0.02", "--out", "test"))[0] == 0
+    found = tomllib.loads(Path("test/campaign.toml").read_text())
+    assert [one["name"] for one in found["channel"]] == ["a-x", "a-z", "b-x", "b-y", "c-z", "table-x1"]
+    assert found["campaign"]["cross_motion"] == pytest.approx(0.06)
+    assert run("compare", "portal.toml", "test")[0] == 0
+
+
+@pytest.mark.proof  # two diagnoses
+@pytest.mark.parametrize("kind", ["base", "base-forces"])
+def test_what_is_hidden_in_a_structure_on_a_base_is_found(kind: str, on_base: Path, run: Any) -> None:
+    assert run(*asked(kind, "--seed", "3", "--effect", "modulus:lintel=-0.3", "--out", "test"))[0] == 0
+    code, out, err = run("diagnose", "portal.toml", "test", "--json")
+    assert code == 0, err
+    (one,) = json.loads(out)["accepted"]
+    assert one["id"] == "modulus:lintel"
+    assert one["value"] == pytest.approx(-0.3, abs=0.07)  # builds of a drawing differ by 2.5 %
