@@ -14,6 +14,7 @@ from identification.campaign import Campaign
 from validation.cli import main
 from validation.compare.maps import Rig
 from validation.diagnose.candidates import candidates
+from validation.diagnose.diagnose import require_runs
 from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.mistakes import LowFrequencyReadings, _likelihood, mistakes
 from validation.diagnose.unexplained_fit import OF_SHARES, swallowing
@@ -260,6 +261,18 @@ def test_what_nobody_measured_is_no_channel_that_could_be_wrong_and_a_slanted_pi
     named += [place for places, *_ in crosstalk(at, problem.start) for place in places]
     assert named
     assert not [one for one in named if any(name.startswith(UNMEASURED) for name in one.channels)]
+
+
+def test_one_run_is_enough_where_accelerometers_stand_on_the_article(simulated) -> None:
+    """A single-axis shaker that has run once was refused by `diagnose`, which takes a single response function."""
+    one = simulated()
+    assert len(one.runs) == 1
+    require_runs([one])
+    off = [k for k, channel in enumerate(one.table.channels) if channel.group != "article"]
+    bare = replace(one.table, channels=tuple(one.table.channels[k] for k in off))
+    recorded = {name: replace(each, names=bare.names, values=each.values[:, off]) for name, each in one.recordings.items()}
+    with pytest.raises(BadInput, match="too few"):
+        require_runs([replace(one, table=bare, recordings=recorded)])
 
 
 @pytest.mark.proof
