@@ -13,7 +13,7 @@ from validation.effects import catalogue
 from validation.effects.catalogue import parse_all
 from validation.virtual_test.plan import MULTI, RIGID, Plan, exact
 from validation.virtual_test.planted import planted
-from validation.virtual_test.simulate import laboratory, recording, runs
+from validation.virtual_test.simulate import laboratory, record, recording, runs
 
 RATE = 256.0
 
@@ -94,7 +94,9 @@ def recorder(plan) -> Recorder:
     def run(*effects: str, **changes: object) -> Recorded:
         own = replace(plan, effects=planted(parse_all(effects)), **changes)  # type: ignore[arg-type]
         lab = laboratory(own)
-        return Recorded(values=recording(own, lab, runs(own)[0]).values, table=lab.layout.table)
+        first = runs(own)[0]
+        found = recording(own, lab.layout, lab.chain, first, record(own, lab, first))
+        return Recorded(values=found.values, table=lab.layout.table)
 
     return run
 

@@ -14,7 +14,7 @@ from validation.effects.families.gap import WARP, clipped
 from validation.virtual_test.layout import ACCELEROMETERS, FORCES
 from validation.virtual_test.plan import RIGID, Plan, exact
 from validation.virtual_test.planted import planted
-from validation.virtual_test.simulate import laboratory, recording, runs
+from validation.virtual_test.simulate import laboratory, record, recording, runs
 
 NAMES = (*ACCELEROMETERS, *FORCES)
 STEP = 0.01
@@ -37,7 +37,9 @@ def sweep() -> Sweep:
     def run(axis: str, *effects: str, level: float = 1.0, rate: float = 240.0) -> dict[str, Array]:
         own = replace(plan, effects=planted(parse_all(effects)), levels=(level,), octaves_per_minute=rate)
         made = next(one for one in runs(own) if one.name == axis)
-        return dict(zip(NAMES, recording(own, laboratory(own), made).values.T, strict=True))
+        lab = laboratory(own)
+        found = recording(own, lab.layout, lab.chain, made, record(own, lab, made))
+        return dict(zip(NAMES, found.values.T, strict=True))
 
     return run
 
