@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -138,6 +139,19 @@ def test_spectra_in_files_stay_as_they_are(campaign: Campaign, tmp_path) -> None
     rests = spectra(campaign, frequency=found.frequency).noise.mean(axis=1)
     assert_allclose(np.median(found.noise.mean(axis=1) / rests), 1.0, atol=0.5)  # 31 lines, half a hertz apart: an upper bound
     assert found.quality.min() > 0.98
+
+
+def test_a_spectrum_may_be_the_same_at_all_lines_but_not_nothing(campaign: Campaign, tmp_path: Path) -> None:
+    """What all is divided by, the base's own accelerometer, is 1 everywhere; it had been refused as dead."""
+    held, name = as_spectra(campaign, np.linspace(4, 32, 57)), campaign.table.names[0]
+    for level in (1.0, 0.0):
+        for one in held.recordings.values():
+            values = np.array(one.values)
+            values[:, 0] = level
+            object.__setattr__(one, "values", values)
+        campaign_file.write(tmp_path / f"{level}", held)
+    assert not campaign_file.examine(tmp_path / "1.0").problems
+    assert {(one.field, "is dead" in str(one)) for one in campaign_file.examine(tmp_path / "0.0").problems} == {(name, True)}
 
 
 def test_noise_of_spectra_without_redundant_channels_is_told_over_the_base(campaign: Campaign) -> None:

@@ -709,10 +709,10 @@ def plan_of(
     if kind not in KINDS:
         problem = f"must be one of {', '.join(KINDS)}, found {kind!r}"
         raise BadInput(source="--test", problem=problem, remedy=nearest(kind, KINDS) or "Choose one of them")
+    if seed < 0:
+        raise BadInput(source="--seed", problem=f"must not be negative, found {seed}", remedy="Give a whole number from 0 on")
     model = model_file.read(path)
     article = model.article if model.article in model.own else next(iter(model.own), "")
-    words = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
-    named = parse_all(effects, words)
     users = reading.load(model.own[article]) if article else None
     if users is None or not isinstance(users.model, Structure):
         problem = "it names no structure with matrices, a mesh or a frame"
@@ -764,17 +764,12 @@ def plan_of(
             moved = np.abs(np.array([_row(users.model, one, (), {}) for one in seen]) @ shapes[:, elastic])
             share = moved / np.maximum(moved.max(axis=0), np.finfo(np.float64).tiny)
             driven = (seen[int(np.argmax(np.mean(np.log(np.maximum(share, AT_REST)), axis=1).round(6)))],)
-    points, below = {one.name for one in driven}, {"force"}
-    if based:
-        of_table = {f"table-{axis}1"} if axis else {one for one in ACCELEROMETERS if one.startswith("table")}
-        below = {*of_table, *((ACCELEROMETERS.keys() - of_table) | FORCES.keys() if kind == BASE_FORCES else ())}
-    for one in named:
-        if one.family in SENSORS and one.targets:
-            legal = points if one.family in OF_DRIVES else {one.name for one in seen} | below
-            if one.target not in legal:
-                remedy = f"{nearest(one.target, legal)}There are {', '.join(sorted(legal))}"
-                raise BadInput(source="--effect", field=one.id, problem="the test has no such channel", remedy=remedy)
-    if not 0 < limits[0] < limits[1]:
+    of_table = f"table-{axis}1" if axis else "table"
+    below = tuple(one for one in ACCELEROMETERS if kind == BASE_FORCES or (kind == BASE and one.startswith(of_table)))
+    forces = {MODES: (), BASE: (), BASE_FORCES: tuple(FORCES)}.get(kind, ("force",))
+    accelerometers, points = (*(one.name for one in seen), *below), tuple(one.name for one in driven if kind != MODES)
+    words = Vocabulary(accelerometers=accelerometers, forces=forces, drives=points, places=None, parts=None)
+    if not 0 < limits[0] < limits[1] < np.inf:
         raise BadInput(source="--band", problem=f"must rise from above 0, found {limits}", remedy="Write --band 5 200")
     return StructurePlan(
         model=model,
@@ -782,7 +777,7 @@ def plan_of(
         article=article,
         drives=driven,
         responses=seen,
-        effects=tuple(named),
+        effects=parse_all(effects, words),
         seed=seed,
         noise=noise,
         tolerances=tolerances,
