@@ -175,6 +175,21 @@ def test_noise_of_spectra_without_redundant_channels_is_told_over_the_base(campa
     assert not ratio[~untold].any()
 
 
+@pytest.mark.parametrize(
+    ("lacking", "said"),
+    [
+        (("table-x", "table-y", "table-z2", "table-z3", "cover", "fmd-y", "fmd-z"), "from: that of all channels is told"),
+        (("fmd-y23", "fmd-z4"), "that of acceleration is told from redundant channels, that of other channels is told from"),
+    ],
+)
+def test_whose_noise_is_told_over_the_base_is_said(lacking: tuple[str, ...], said: str, campaign: Campaign) -> None:
+    held = as_spectra(campaign, np.linspace(4, 32, 57))
+    kept = [k for k, one in enumerate(held.table.channels) if not one.name.startswith(lacking)]
+    table = replace(held.table, channels=tuple(held.table.channels[k] for k in kept))
+    some = {run: replace(one, names=table.names, values=one.values[:, kept]) for run, one in held.recordings.items()}
+    assert said in spectra(replace(held, table=table, recordings=some)).warnings[-1]
+
+
 def test_spectra_in_files_are_not_interpolated(campaign: Campaign) -> None:
     held = as_spectra(campaign, np.linspace(4, 32, 57))
     assert len(spectra(held, frequency=[5.0, 5.5]).frequency) == 2

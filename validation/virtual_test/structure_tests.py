@@ -552,8 +552,7 @@ def _swept(plan: StructurePlan, lab: TestedStructure, slowest: float) -> tuple[C
         return np.asarray(np.fft.irfft(spectrum, size, axis=0)[: len(motion)])
 
     campaign = recorded(shaker, layout, chain, record, mounting)
-    lines = Processing(start=low, stop=high, step=(high - low) / LINES)
-    return replace(campaign, processing=lines), dict(chain.deviations())
+    return replace(campaign, processing=Processing(start=low, stop=high, step=(high - low) / LINES)), dict(chain.deviations())
 
 
 def _where(structure: Structure, place: str) -> Array:
@@ -739,12 +738,11 @@ def plan_of(
         problem = f'is "{"ground" if users.model.grounded else "free"}": it has no base that could be shaken'
         remedy = 'State support = "base" with its interface, or strike it where it is with --test hammer'
         raise BadInput(source=path, field="fe_model.support", problem=problem, remedy=remedy)
-    wrong = {"--drive": drives, "--block": block} if based else {"--axis": axis, "--cross": cross != CROSS}
-    if stray := [option for option, given in wrong.items() if given]:
-        problem = "is no option of a test by base motion" if based else "is an option of --test base and base-forces"
-        raise BadInput(source=stray[0], problem=problem, remedy="Leave it out")
+    stray = {"--drive": based and drives, "--block": based and block, "--axis": kind != BASE and axis}
+    if wrong := [option for option, given in {**stray, "--cross": not based and cross != CROSS}.items() if given]:
+        raise BadInput(source=wrong[0], problem=f"is no option of --test {kind}", remedy="Leave it out")
     if axis:
-        toml_file.one_of(axis, tuple("xyz") if kind == BASE else (), source="--axis", where="")
+        toml_file.one_of(axis, tuple("xyz"), source="--axis", where="")
     driven = () if based else listed(drives, ("drive",), "--drive")
     for at in (*driven, *seen):
         if at.place not in users.model.places:

@@ -214,10 +214,10 @@ def test_six_base_motions_without_forces_are_read_where_something_on_the_structu
 
 def test_what_stands_on_no_base_or_asks_for_what_the_test_has_not_is_refused(on_base: Path, refused: Any) -> None:
     out = ("--out", "none")
-    assert "is no option of a test by base motion" in refused(*asked("base", "--drive", "a:x", *out))
-    assert "is no option of a test by base motion" in refused(*asked("base", "--block", "3", *out))
-    assert "is an option of --test base" in refused(*asked("shaker", "--axis", "x", *out))
-    assert "--axis" in refused(*asked("base-forces", "--axis", "x", *out))
+    assert "--drive: is no option of --test base" in refused(*asked("base", "--drive", "a:x", *out))
+    assert "--block: is no option of --test base" in refused(*asked("base", "--block", "3", *out))
+    assert "--axis: is no option of --test shaker" in refused(*asked("shaker", "--axis", "x", *out))
+    assert "--axis: is no option of --test base-forces" in refused(*asked("base-forces", "--axis", "x", *out))
     assert "must be one of x, y, z" in refused(*asked("base", "--axis", "beta", *out))
     assert "no force channel is called" in refused(*asked("base", "--effect", "force-gain:fmd-z1=0.1", *out))
     assert "can hide it" in refused(*asked("base", "--effect", "cell-stiffness:1z=0.1", *out))
