@@ -206,11 +206,12 @@ NEAR = 0.1
 
 
 def removable(structure: Structure, point: npt.ArrayLike | None) -> float:
-    """[kg] that can be missing at `point` (3,) [m] at most: what is about it, or the whole where that is unknown."""
-    most = float(np.trace(structure.rigid_mass[:3, :3])) / 3 or np.inf  # without coordinates nothing is known
+    """[kg] that can be missing at `point` (3,) [m] at most: what is about it and at the nearest node, or the whole if unknown."""
+    most = float(np.diag(structure.rigid_mass)[:3].max()) or np.inf  # without coordinates nothing is known
     if point is None or not len(structure.points):
         return most
-    near = np.linalg.norm(structure.points - np.asarray(point), axis=1) <= NEAR * np.ptp(structure.points, axis=0).max()
+    away = np.linalg.norm(structure.points - np.asarray(point), axis=1)
+    near = away <= max(NEAR * np.ptp(structure.points, axis=0).max(), away.min())
     return float(np.clip(structure.weights[near].sum(axis=0).max(), 0.0, most))
 
 

@@ -565,13 +565,13 @@ def require_finite(values: npt.NDArray[Any], name: str, source: str) -> None:
 
 
 def require_alive(values: npt.NDArray[Any], name: str, source: str) -> None:
-    """Refuse a channel whose samples (n,) are all the same.
+    """Refuse a channel whose samples (n,) are all the same, or whose spectrum is nothing: that of a base may be 1 everywhere.
 
     Raises
     ------
     BadInput : it is constant.
     """
-    if len(values) and np.all(values == values[0]):
+    if len(values) and np.all(values == (0 if np.iscomplexobj(values) else values[0])):
         problem = f"is dead: all {len(values)} samples are {values[0]:g}"
         remedy = "Check cable and amplifier, or take the channel out of campaign.toml and of every file"
         raise BadInput(source=source, field=name, problem=problem, remedy=remedy)

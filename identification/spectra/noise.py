@@ -242,10 +242,10 @@ def over_a_reference(spectra: Spectra, untold: npt.NDArray[np.bool_]) -> Array:
         functions = values * pilot.conj() / np.maximum(np.square(np.abs(pilot)), np.finfo(np.float64).tiny)
         rough = np.abs(np.diff(functions, n=ORDER, axis=0)) / weight * np.abs(pilot[middle])
         shares = np.median(rough / np.maximum(np.abs(values[middle]), np.finfo(np.float64).tiny), axis=0)
-        own = np.square(shares[shares > ROUNDING].min(initial=np.inf)) / 2
+        own = np.square(min(shares[shares > ROUNDING], default=0.0)) / 2
         shares = np.sqrt(np.where(shares > ROUNDING, np.maximum(np.square(shares) - own, np.square(shares) / 2), own))
         noise[k, :, untold] = np.maximum(np.median(rough, axis=0), shares * np.abs(values)).T[untold]
-    return np.where(np.isfinite(noise), noise, 0.0)
+    return np.where(np.isfinite(noise) & (noise > ROUNDING * np.abs(spectra.values)), noise, 0.0)
 
 
 # Noise of lines that brought no records along, from the lines themselves.

@@ -216,7 +216,8 @@ def _as_recorded(
     found = [q for q in ("acceleration", "force") if np.any(sd[:, :, list(campaign.table.select(quantity=q))] > 0)]
     how = [f"that of {' and '.join(found)} is told from redundant channels"] if found else []
     others = noise.over_a_reference(made, ~np.any(sd > 0, axis=(0, 1)))
-    how += ["that of other channels from neighbouring lines, over an accelerometer of the base"] if np.any(others > 0) else []
+    which = f"that of {'other' if found else 'all'} channels"
+    how += [f"{which} is told from neighbouring lines, over an accelerometer of the base"] if np.any(others > 0) else []
     said = f"the files hold spectra, which have no quiet part to take the noise from: {', '.join(how) or 'it counts as 0'}"
     return replace(made, noise=sd + others, warnings=(*made.warnings, said))
 

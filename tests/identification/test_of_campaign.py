@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -140,6 +141,19 @@ def test_spectra_in_files_stay_as_they_are(campaign: Campaign, tmp_path) -> None
     assert found.quality.min() > 0.98
 
 
+def test_a_spectrum_may_be_the_same_at_all_lines_but_not_nothing(campaign: Campaign, tmp_path: Path) -> None:
+    """What all is divided by, the base's own accelerometer, is 1 everywhere; it had been refused as dead."""
+    held, name = as_spectra(campaign, np.linspace(4, 32, 57)), campaign.table.names[0]
+    for level in (1.0, 0.0):
+        for one in held.recordings.values():
+            values = np.array(one.values)
+            values[:, 0] = level
+            object.__setattr__(one, "values", values)
+        campaign_file.write(tmp_path / f"{level}", held)
+    assert not campaign_file.examine(tmp_path / "1.0").problems
+    assert {(one.field, "is dead" in str(one)) for one in campaign_file.examine(tmp_path / "0.0").problems} == {(name, True)}
+
+
 def test_noise_of_spectra_without_redundant_channels_is_told_over_the_base(campaign: Campaign) -> None:
     """A sound panel on one axis of a shaker was unknown: the noise of its spectra counted as 0."""
     lines, rng = np.arange(5.0, 300.0), np.random.default_rng(4)
@@ -159,6 +173,25 @@ def test_noise_of_spectra_without_redundant_channels_is_told_over_the_base(campa
     assert ratio[untold].min() > 0.7
     assert ratio[untold].max() < 2.0
     assert not ratio[~untold].any()
+    smooth = np.ones(clean.shape, dtype=complex)
+    smooth[:, :, 0] = 0.0  # what nothing moves, without noise: infinity times nothing had been warned of
+    with np.errstate(invalid="raise"):
+        assert not noise.over_a_reference(replace(some, values=smooth), untold).any()
+
+
+@pytest.mark.parametrize(
+    ("lacking", "said"),
+    [
+        (("table-x", "table-y", "table-z2", "table-z3", "cover", "fmd-y", "fmd-z"), "from: that of all channels is told"),
+        (("fmd-y23", "fmd-z4"), "that of acceleration is told from redundant channels, that of other channels is told from"),
+    ],
+)
+def test_whose_noise_is_told_over_the_base_is_said(lacking: tuple[str, ...], said: str, campaign: Campaign) -> None:
+    held = as_spectra(campaign, np.linspace(4, 32, 57))
+    kept = [k for k, one in enumerate(held.table.channels) if not one.name.startswith(lacking)]
+    table = replace(held.table, channels=tuple(held.table.channels[k] for k in kept))
+    some = {run: replace(one, names=table.names, values=one.values[:, kept]) for run, one in held.recordings.items()}
+    assert said in spectra(replace(held, table=table, recordings=some)).warnings[-1]
 
 
 def test_spectra_in_files_are_not_interpolated(campaign: Campaign) -> None:

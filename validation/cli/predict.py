@@ -280,8 +280,8 @@ def simulate_command(ctx: click.Context, /, articles: tuple[str, ...], out: Path
     ARTICLE is a stack on the force measurement device, such as fmd+disc+cuboid or fmd+clumod-1. Several are a series that
     shares FMD and sensors, a folder each below DIR; so are tests of one seed. The truth goes beside a campaign, DIR.truth.json.
 
-    `massline simulate MODEL.toml` strikes, shakes or tabulates the structure of a model file instead, with --test. Points and
-    band are those of the model's first [[test]] where nothing is said; DIR/test.toml is what `compare` and `diagnose` read.
+    `massline simulate MODEL.toml` strikes, shakes or tabulates the structure of a model file instead, or moves its base, with
+    --test. Points and band are the first [[test]]'s where nothing is said. `compare` and `diagnose` read DIR/test.toml, or DIR.
     """
     from validation.report.excite import simulate, simulate_structure
     from validation.virtual_test.simulate import question
@@ -293,7 +293,7 @@ def simulate_command(ctx: click.Context, /, articles: tuple[str, ...], out: Path
     if len(articles) == 1 and articles[0].lower().endswith(".toml"):
         both = ("effects", "seed", "sealed", "noise", "tolerances", "band", "axis", "cross")
         if other := sorted(stated - {*both, *of_structure}):
-            problem = "is an option of the multi-axis shaker, and a structure is struck, shaken or tabulated"
+            problem = "is an option of a test of ARTICLE, and none of that of a structure"
             raise BadInput(source=f"--{other[0].replace('_', '-')}", problem=problem, remedy="Leave it out")
         common = {name: given[name] for name in both}
         simulate_structure(

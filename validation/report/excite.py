@@ -610,6 +610,8 @@ def simulate_structure(
     )
     with shown(f"{plan.article}: simulating and writing {out}", quiet=as_json):
         made = structure_tests.simulate(plan)
+        if made.campaign is not None:
+            _require_alive(made.campaign)
         virtual_test.write(out, truth, made.truth, made.fill)
     test = out if plan.on_base else out / "test.toml"
     about: dict[str, Any] = {
@@ -631,6 +633,18 @@ def simulate_structure(
     click.echo(f"massline: wrote {out} and its truth {truth}. `massline compare {path} {test}` reads it.", err=True)
 
 
+def _require_alive(campaign: Campaign) -> None:
+    """Refuse records that no reader would take: without noise, what nothing moves stays at zero."""
+    for run, recorded in campaign.recordings.items():
+        for k, name in enumerate(recorded.names):
+            try:
+                require_alive(recorded.values[:, k], name, run)
+            except BadInput:
+                problem = f"without noise, hum and cross motion nothing moves {name} in the run {run}: it reads zero throughout"
+                remedy = "A dead channel makes a campaign unusable: leave some noise (--noise 0.001) or cross motion"
+                raise BadInput(source="--noise", problem=problem, remedy=remedy) from None
+
+
 def _written_test(question: SimulateOptions, plan: Plan, words: str, *, quiet: bool) -> Written:
     with share_done(f"{words}: simulating", quiet=quiet) as progress:
         try:
@@ -640,16 +654,7 @@ def _written_test(question: SimulateOptions, plan: Plan, words: str, *, quiet: b
                 raise
             # A rig that cannot be built, which only an effect can have done
             raise BadInput(source="--effect", field=error.field, problem=error.problem, remedy=error.remedy) from None
-    # Refuse records that no reader would take: without noise, what nothing moves stays at zero
-    for run, recorded in test.campaign.recordings.items():
-        for k, name in enumerate(recorded.names):
-            try:
-                require_alive(recorded.values[:, k], name, run)
-            except BadInput:
-                what = f"nothing moves {name} in the run {run}, and it reads zero throughout"
-                remedy = "A dead channel makes a campaign unusable: leave some noise (--noise 0.001) or cross motion"
-                problem = f"without noise, hum and cross motion {what}"
-                raise BadInput(source="--noise", problem=problem, remedy=remedy) from None
+    _require_alive(test.campaign)
     table, units = test.campaign.table, question.units
     in_units = tuple(replace(channel, unit=units.get(channel.quantity, channel.unit)) for channel in table.channels)
     campaign = replace(test.campaign, table=replace(table, channels=in_units))

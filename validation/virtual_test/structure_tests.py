@@ -552,8 +552,7 @@ def _swept(plan: StructurePlan, lab: TestedStructure, slowest: float) -> tuple[C
         return np.asarray(np.fft.irfft(spectrum, size, axis=0)[: len(motion)])
 
     campaign = recorded(shaker, layout, chain, record, mounting)
-    lines = Processing(start=low, stop=high, step=(high - low) / LINES)
-    return replace(campaign, processing=lines), dict(chain.deviations())
+    return replace(campaign, processing=Processing(start=low, stop=high, step=(high - low) / LINES)), dict(chain.deviations())
 
 
 def _where(structure: Structure, place: str) -> Array:
@@ -709,10 +708,10 @@ def plan_of(
     if kind not in KINDS:
         problem = f"must be one of {', '.join(KINDS)}, found {kind!r}"
         raise BadInput(source="--test", problem=problem, remedy=nearest(kind, KINDS) or "Choose one of them")
+    if seed < 0:
+        raise BadInput(source="--seed", problem=f"must not be negative, found {seed}", remedy="Give a whole number from 0 on")
     model = model_file.read(path)
     article = model.article if model.article in model.own else next(iter(model.own), "")
-    words = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
-    named = parse_all(effects, words)
     users = reading.load(model.own[article]) if article else None
     if users is None or not isinstance(users.model, Structure):
         problem = "it names no structure with matrices, a mesh or a frame"
@@ -739,12 +738,11 @@ def plan_of(
         problem = f'is "{"ground" if users.model.grounded else "free"}": it has no base that could be shaken'
         remedy = 'State support = "base" with its interface, or strike it where it is with --test hammer'
         raise BadInput(source=path, field="fe_model.support", problem=problem, remedy=remedy)
-    wrong = {"--drive": drives, "--block": block} if based else {"--axis": axis, "--cross": cross != CROSS}
-    if stray := [option for option, given in wrong.items() if given]:
-        problem = "is no option of a test by base motion" if based else "is an option of --test base and base-forces"
-        raise BadInput(source=stray[0], problem=problem, remedy="Leave it out")
+    stray = {"--drive": based and drives, "--block": based and block, "--axis": kind != BASE and axis}
+    if wrong := [option for option, given in {**stray, "--cross": not based and cross != CROSS}.items() if given]:
+        raise BadInput(source=wrong[0], problem=f"is no option of --test {kind}", remedy="Leave it out")
     if axis:
-        toml_file.one_of(axis, tuple("xyz") if kind == BASE else (), source="--axis", where="")
+        toml_file.one_of(axis, tuple("xyz"), source="--axis", where="")
     driven = () if based else listed(drives, ("drive",), "--drive")
     for at in (*driven, *seen):
         if at.place not in users.model.places:
@@ -764,17 +762,12 @@ def plan_of(
             moved = np.abs(np.array([_row(users.model, one, (), {}) for one in seen]) @ shapes[:, elastic])
             share = moved / np.maximum(moved.max(axis=0), np.finfo(np.float64).tiny)
             driven = (seen[int(np.argmax(np.mean(np.log(np.maximum(share, AT_REST)), axis=1).round(6)))],)
-    points, below = {one.name for one in driven}, {"force"}
-    if based:
-        of_table = {f"table-{axis}1"} if axis else {one for one in ACCELEROMETERS if one.startswith("table")}
-        below = {*of_table, *((ACCELEROMETERS.keys() - of_table) | FORCES.keys() if kind == BASE_FORCES else ())}
-    for one in named:
-        if one.family in SENSORS and one.targets:
-            legal = points if one.family in OF_DRIVES else {one.name for one in seen} | below
-            if one.target not in legal:
-                remedy = f"{nearest(one.target, legal)}There are {', '.join(sorted(legal))}"
-                raise BadInput(source="--effect", field=one.id, problem="the test has no such channel", remedy=remedy)
-    if not 0 < limits[0] < limits[1]:
+    of_table = f"table-{axis}1" if axis else "table"
+    below = tuple(one for one in ACCELEROMETERS if kind == BASE_FORCES or (kind == BASE and one.startswith(of_table)))
+    forces = {MODES: (), BASE: (), BASE_FORCES: tuple(FORCES)}.get(kind, ("force",))
+    accelerometers, points = (*(one.name for one in seen), *below), tuple(one.name for one in driven if kind != MODES)
+    words = Vocabulary(accelerometers=accelerometers, forces=forces, drives=points, places=None, parts=None)
+    if not 0 < limits[0] < limits[1] < np.inf:
         raise BadInput(source="--band", problem=f"must rise from above 0, found {limits}", remedy="Write --band 5 200")
     return StructurePlan(
         model=model,
@@ -782,7 +775,7 @@ def plan_of(
         article=article,
         drives=driven,
         responses=seen,
-        effects=tuple(named),
+        effects=parse_all(effects, words),
         seed=seed,
         noise=noise,
         tolerances=tolerances,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from statistics import median
 
 import numpy as np
@@ -70,9 +70,7 @@ def structure_outcome(truth: Json, answer: Json) -> StructureOutcome:
             if away <= NEAR and one["id"] not in renamed.values():
                 renamed[id] = one["id"]
     found = outcome(truth, _renamed(answer, renamed))
-    return StructureOutcome(
-        of=replace(found, seconds=found.seconds), shape=truth["shape"], test=truth.get("test", ""), away=min(aways, default=None)
-    )
+    return StructureOutcome(of=found, shape=truth["shape"], test=truth.get("test", ""), away=min(aways, default=None))
 
 
 def _renamed(answer: Json, names: Mapping[str, str]) -> Json:
@@ -137,11 +135,7 @@ def by_group(found: Sequence[StructureOutcome]) -> list[tuple[str, Rate, Rate]]:
     singles = [one for one in found if one.of.kind == SINGLE]
     groups: dict[str, list[StructureOutcome]] = {}
     for one in singles:
-        for name in (
-            one.shape,
-            *([one.test] if one.test else []),
-            *one.of.families,
-            *(f"{one.of.multiple:g} times its limit" for _ in one.of.families),
-        ):
+        sizes = [f"{one.of.multiple:g} times its limit"] * len(one.of.families)
+        for name in filter(None, (one.shape, one.test, *one.of.families, *sizes)):
             groups.setdefault(name, []).append(one)
     return [(name, rate(one.right for one in some), rate(one.wrong for one in some)) for name, some in sorted(groups.items())]

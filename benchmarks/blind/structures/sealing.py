@@ -381,10 +381,8 @@ def _on_base(
 
 
 def _channel(name: str, quantity: str, group: str, at: Array, axis: int) -> Channel:
-    direction = np.eye(3)[axis]
-    return Channel(
-        name=name, quantity=quantity, group=group, places=(Place(position=at, direction=direction),), senses_gravity=False
-    )
+    places = (Place(position=at, direction=np.eye(3)[axis]),)
+    return Channel(name=name, quantity=quantity, group=group, places=places, senses_gravity=False)
 
 
 def _table(

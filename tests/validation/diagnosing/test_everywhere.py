@@ -357,6 +357,29 @@ def test_what_is_plausible_at_a_node_is_known_of_a_test_that_ends_far_below_all_
     assert found["point-mass"] == pytest.approx([FAMILIES["point-mass"].sizes[0].plausible] * 2)
 
 
+def test_of_floors_that_move_one_way_all_can_be_missing_and_between_nodes_what_is_at_the_nearest(portal, tmp_path):
+    """A floor of 6 kg could lose 3.7 of them at most, a third of all that moves along x, and a post of one element nothing."""
+    frame = tmp_path / "frame.toml"
+    frame.write_text(
+        """format = 1
+[fe_model]
+name = "frame"
+kind = "frame"
+nodes = { foot = "0 mm", one = "150 mm", two = "300 mm" }
+fixed = ["foot"]
+moves = ["x"]
+members = { legs-1 = ["foot", "one"], legs-2 = ["one", "two"] }
+section = { width = "25 mm", thickness = "3 mm", across = "x", count = 4 }
+material = { youngs_modulus = "70 GPa", poisson_ratio = 0.3 }
+masses = { one = "5 kg", two = "6 kg" }
+""",
+        encoding="utf-8",
+    )
+    assert removable(reading.load(frame).model, None) == pytest.approx(11.0)
+    post = reading.load(portal(tmp_path / "coarse", 1)).model
+    assert 0 < removable(post, (0.0, 0.0, 0.1)) == removable(post, (0.0, 0.0, 0.0)) < removable(post, None)
+
+
 def test_no_node_loses_more_than_the_mesh_has_about_it(portal, tmp_path):
     """Of a frame of 565 g with 1 kg that nobody knows 556 g less beside a foot were what would explain most."""
     model = portal(tmp_path, 10)

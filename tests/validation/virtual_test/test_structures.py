@@ -214,20 +214,43 @@ def test_six_base_motions_without_forces_are_read_where_something_on_the_structu
 
 def test_what_stands_on_no_base_or_asks_for_what_the_test_has_not_is_refused(on_base: Path, refused: Any) -> None:
     out = ("--out", "none")
-    assert "is no option of a test by base motion" in refused(*asked("base", "--drive", "a:x", *out))
-    assert "is no option of a test by base motion" in refused(*asked("base", "--block", "3", *out))
-    assert "is an option of --test base" in refused(*asked("shaker", "--axis", "x", *out))
-    assert "--axis" in refused(*asked("base-forces", "--axis", "x", *out))
+    assert "--drive: is no option of --test base" in refused(*asked("base", "--drive", "a:x", *out))
+    assert "--block: is no option of --test base" in refused(*asked("base", "--block", "3", *out))
+    assert "--axis: is no option of --test shaker" in refused(*asked("shaker", "--axis", "x", *out))
+    assert "--axis: is no option of --test base-forces" in refused(*asked("base-forces", "--axis", "x", *out))
     assert "must be one of x, y, z" in refused(*asked("base", "--axis", "beta", *out))
-    assert "the test has no such channel" in refused(*asked("base", "--effect", "force-gain:fmd-z1=0.1", *out))
+    assert "no force channel is called" in refused(*asked("base", "--effect", "force-gain:fmd-z1=0.1", *out))
     assert "can hide it" in refused(*asked("base", "--effect", "cell-stiffness:1z=0.1", *out))
     assert "can hide it" in refused(*asked("base", "--effect", "transducer-mass=0.1", *out))
+    assert "must not be negative" in refused(*asked("base", "--seed", "-3", *out))
+    assert "must rise from above 0" in refused(*asked("base", "--band", "5", "inf", *out))
+    still = ("--noise", "off", "--tolerances", "off", "--cross", "0")
+    assert "nothing moves table-z1 in the run x" in refused(*asked("base", *still, *out))
     on_base.write_text(on_base.read_text().replace('support = "base"', 'support = "ground"'))
     for kind in ("base", "base-forces"):
         said = refused(*asked(kind, *out))
         assert 'is "ground": it has no base that could be shaken' in said
         assert "--test hammer" in said
     assert not Path("none").exists()
+
+
+@pytest.mark.parametrize(
+    ("kind", "effect", "said"),
+    [
+        ("base", "channel-swap:a-x:nosuch", "no channel is called 'nosuch'. Known are a-x, a-z, b-x, b-y, c-z, table-z1"),
+        ("base", "accelerometer-gain:cover-x1=0.1", "no accelerometer is called 'cover-x1'"),
+        ("base-forces", "channel-swap:a-x:force", "no channel is called 'force'"),
+        ("hammer", "channel-swap:a-x:nosuch", "no channel is called 'nosuch'. Known are a-x, a-z, b-x, b-y, c-z, force"),
+        ("hammer", "wrong-reference:a-x:nosuch", "no accelerometer is called 'nosuch'"),
+        ("functions", "accelerometer-gain:force=0.1", "no accelerometer is called 'force'"),
+        ("modes", "force-gain:force=0.1", "no force channel is called 'force'"),
+    ],
+)
+def test_an_effect_of_a_channel_that_the_test_has_not_is_refused(
+    kind: str, effect: str, said: str, on_base: Path, refused: Any
+) -> None:
+    more = ("--drive", "a:x") if kind in ("hammer", "functions") else ()
+    assert said in refused(*asked(kind, *more, "--effect", effect, "--out", "none"))
 
 
 def test_a_single_axis_shaker_of_a_structure_has_one_pilot_and_says_how_large_the_rest_is(on_base: Path, run: Any) -> None:
