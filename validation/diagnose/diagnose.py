@@ -609,16 +609,14 @@ def ready(asked: Options, progress: Progress | None = None) -> tuple[Model, Data
 
 
 def require_runs(campaigns: Sequence[Campaign]) -> None:
-    """Refuse a series of campaigns of which nothing can be held out, where no accelerometer stands on an article: of what these
-    read one run tells as much as one response function does.
+    """Refuse campaigns of which nothing can be held out, without accelerometers on an article, of which one run tells enough.
 
     Raises
     ------
     BadInput : fewer runs than `FEWEST_RUNS` in all.
     """
     count = sum(len(one.runs) for one in campaigns)
-    upon = any(len(one.table.select(group="article", quantity="acceleration")) for one in campaigns)
-    if count < FEWEST_RUNS and not upon:
+    if count < FEWEST_RUNS and not any(one.table.select(group="article", quantity="acceleration") for one in campaigns):
         names = ", ".join(f"{run.name} of {one.source}" for one in campaigns for run in one.runs)
         raise BadInput(
             source="DATA",
