@@ -182,14 +182,19 @@ def _width(step: float) -> int:
 # and angles that are off. The latter are transfer functions: as shares of the driven motion they go smoothly over the lines,
 # while noise does not. The fourth difference of neighbouring lines leaves noise alone.
 
-ORDER = 4
-"""Of the difference: what changes over five lines like a cubic is no noise."""
+ORDER, MIDDLE = 4, slice(2, -2)
+"""Of the difference, and the lines in whose middle it stands: what changes over five lines like a cubic is no noise."""
 
 FEWEST = 20
 """Lines that an estimate takes."""
 
 ROUNDING = 1e-12
 """Share of the level of a channel below which a difference is rounding, and its noise counts as 0."""
+
+
+def _rough(shares: npt.NDArray[np.complex128]) -> Array:
+    """(..., n - ORDER, c) what does not go smoothly over the lines of (..., n, c); of noise the median is its deviation."""
+    return np.asarray(np.abs(np.diff(shares, n=ORDER, axis=-2)) / np.sqrt(comb(2 * ORDER, ORDER) * np.log(2)))
 
 
 def of_redundancy(spectra: Spectra, gravity: float) -> Array:
@@ -215,9 +220,7 @@ def of_redundancy(spectra: Spectra, gravity: float) -> Array:
         if left.shape[2] and chosen and np.any(expected > 0):
             size = np.maximum(np.abs(driven), np.finfo(np.float64).tiny)[:, :, None]
             share = left * (driven.conj() / np.abs(size[..., 0]) ** 2)[:, :, None]
-            weight = np.sqrt(sum(comb(ORDER, k) ** 2 for k in range(ORDER + 1)))
-            middle = slice(ORDER // 2, -(ORDER // 2))
-            noisy = np.abs(np.diff(share, n=ORDER, axis=1)) / weight * size[:, middle] / np.sqrt(np.log(2))
+            noisy = _rough(share) * size[:, MIDDLE]
             seen = np.maximum(np.median(expected, axis=1), np.finfo(np.float64).tiny)
             sd = np.asarray(np.median(np.median(noisy, axis=1) / seen, axis=1))
             noise[:, :, chosen] = sd[:, None, None]
@@ -228,20 +231,18 @@ def of_redundancy(spectra: Spectra, gravity: float) -> Array:
 def over_a_reference(spectra: Spectra, untold: npt.NDArray[np.bool_]) -> Array:
     """(r, n, c) as `of_redundancy`, of the channels that are `untold` (c,) by it; 0 for others, and where lines are too few.
 
-    What a channel reads over the accelerometer below the article that reads most goes smoothly over the lines but for resonances,
-    which are fewer than half of them. Noise is the larger of what does not depend on what is read and of what grows with it. Half
-    the square of the least share is laid on the reference itself: nobody knows whose it is.
+    What is read over the loudest accelerometer below the article goes smoothly over the lines but for resonances, fewer than half
+    of them. Noise is the larger of a constant and a share; half the square of the least share is laid on the reference itself.
     """
     table, noise = spectra.table, np.zeros(spectra.values.shape)
     below = list(table.select(group="table", quantity="acceleration") or table.select(group="cover", quantity="acceleration"))
     if not below or not untold.any() or len(spectra.frequency) < FEWEST:
         return noise
-    middle, weight = slice(ORDER // 2, -(ORDER // 2)), np.sqrt(comb(2 * ORDER, ORDER) * np.log(2))
     for k, values in enumerate(spectra.values):
         pilot = values[:, below[int(np.argmax(np.linalg.norm(values[:, below], axis=0)))], None]
         functions = values * pilot.conj() / np.maximum(np.square(np.abs(pilot)), np.finfo(np.float64).tiny)
-        rough = np.abs(np.diff(functions, n=ORDER, axis=0)) / weight * np.abs(pilot[middle])
-        shares = np.median(rough / np.maximum(np.abs(values[middle]), np.finfo(np.float64).tiny), axis=0)
+        rough = _rough(functions) * np.abs(pilot[MIDDLE])
+        shares = np.median(rough / np.maximum(np.abs(values[MIDDLE]), np.finfo(np.float64).tiny), axis=0)
         own = np.square(min(shares[shares > ROUNDING], default=0.0)) / 2
         shares = np.sqrt(np.where(shares > ROUNDING, np.maximum(np.square(shares) - own, np.square(shares) / 2), own))
         noise[k, :, untold] = np.maximum(np.median(rough, axis=0), shares * np.abs(values)).T[untold]

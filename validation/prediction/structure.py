@@ -384,11 +384,10 @@ def bent_far(
 
     def grown(basis: Array, more: Array) -> Array:
         """`basis` and what is `new` to it."""
-        more = more / np.sqrt(np.sum(more * (A @ more), axis=0))
-        if np.abs(basis.T @ (A @ more)).max(initial=0.0) > ORTHOGONAL:  # what is little of a large answer is rounding
-            more = new(basis, more)
-            more = more / np.sqrt(np.sum(more * (A @ more), axis=0))
-        return np.hstack([basis, more])
+        unit = more / np.sqrt(np.sum(more * (A @ more), axis=0))
+        if np.abs(basis.T @ (A @ unit)).max(initial=0.0) > ORTHOGONAL:  # what is little of a large answer is rounding
+            return grown(basis, new(basis, unit))
+        return np.hstack([basis, unit])
 
     def swings(K: Array, M: Array) -> tuple[Array, Array]:
         """Squares of circular frequencies, ascending, and shapes of unit mass; static answers without mass swing at none."""
