@@ -39,6 +39,10 @@ class Carrier(Protocol):
         """What each degree of freedom moves `points` (p, 3) [m] along x, y, z; (3, n) sparse each."""
         ...
 
+    def slopes(self, point: Array) -> Array:
+        """(3, 3, n) how what each degree of freedom moves `point` (3,) [m] along x, y, z changes by a metre along x, y, z."""
+        ...
+
     def numbered(self, number: int) -> Sparse | None:
         """What each degree of freedom moves the node of that number in its file, (3, n); None where it has no such node."""
         ...

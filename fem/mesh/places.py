@@ -137,6 +137,10 @@ class Block:
         return length, np.asarray(T, dtype=np.float64)
 
 
+WITHIN = 0.01
+"""[share] of the way to the middle of an element at which its slopes are asked of a point on its surface. By definition."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Foot:
     """The point of an element nearest to another.
@@ -201,6 +205,21 @@ class Elements:
         found = np.asarray(points, dtype=np.float64).reshape(-1, 3)
         named = names or tuple(f"({', '.join(f'{1e3 * value:.4g}' for value in point)}) mm" for point in found)
         return [self.motion(point, name)[:3] for point, name in zip(found, named, strict=True)]
+
+    def slopes(self, point: Array) -> Array:
+        """How what each degree of freedom moves `point` (3,) [m] along x, y, z changes by a metre along x, y, z; (3, 3, n).
+
+        It is asked just within the element that holds the point: across a joint motion jumps, and outside nothing moves.
+
+        Raises
+        ------
+        BadInput : as of `rows`.
+        """
+        foot = self.nearest(point)
+        inward = WITHIN * (self.points[foot.nodes].mean(axis=0) - foot.point)
+        at, step = (foot.point if foot.turned is None else point) + inward, 0.01 * WITHIN * foot.size
+        ahead, behind = ([self.motion(at + sign * axis, "", foot.part)[:3] for axis in step * np.eye(3)] for sign in (1, -1))
+        return np.stack([(one - other).toarray() for one, other in zip(ahead, behind, strict=True)]) / (2 * step)
 
     def numbered(self, number: int) -> Sparse | None:
         """What each degree of freedom moves the node of that number in its file, (3, n); None where it has no such node."""

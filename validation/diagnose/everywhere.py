@@ -422,30 +422,56 @@ class MeshSearch:
         _, found, node = max((*self.sized(kind, one, first), one) for one, first in asked)
         return self.nearby(kind, self.points[node], found)
 
+    def other_hills(self, kind: str, best: tuple[int, float, float]) -> list[tuple[int, float, float]]:
+        """As `hills` beside the `best`, at about its size: less mass where a structure moves more does nearly the same."""
+        node, gain, size = best
+        octave = np.log2(abs(size) / self.plausible(self.at(np.array([node])))[kind][0])
+        octaves = np.tile(octave + NARROW / 2, (len(self.points), 1))
+        found = self.hills(kind, self.points[node], [size], octaves, nearer=NEARER)
+        return [one for one in found if one[1] > _least_of_rivals(gain)]
+
+    def out_of_reach(self, kind: str, node: int, size: float) -> list[tuple[int, float]]:
+        """Neighbours of a `node`, and sizes, that would bring less than nothing if tolerances followed to first order: only a fit
+        tells what they bring. The best first."""
+        octave = np.log2(abs(size) / self.plausible(self.at(np.array([node])))[kind][0])
+        near = np.argsort(np.linalg.norm(self.points - self.points[node], axis=1), kind="stable")[1:NEIGHBOURS]
+        told = sorted([(*self.sized(kind, one, size, octave + NARROW / 2, nearer=NEARER), one) for one in near.tolist()])
+        return [(one, x) for gain, x, one in told[: -FEW - 1 : -1] if gain < 0]
+
     def twins(self, kind: str, named: Named) -> tuple[Named, ...]:
-        """Effects at other nodes that may explain as much as `named` does: the tops of other hills of the evidence. What is too
-        heavy on one side of what is symmetric is as much too light on the other."""
+        """Effects at other nodes that may explain as much as `named` does. What is too heavy on one side of what is symmetric is
+        as much too light on the other."""
+        octaves = np.log2(abs(named.value) / self.plausible(self.at(slice(None)))[kind])[:, None]
+        signs = (named.value, -named.value) if kind == MASS else (named.value,)
+        found = self.hills(kind, np.array(position(named.target)), signs, octaves)
+        each = [((at_position(self.points[node]), *named.targets[1:]), size) for node, _, size in found]
+        return tuple(replace(named, targets=targets, values={"": size}) for targets, size in each)
+
+    def hills(
+        self, kind: str, point: Array, signs: Sequence[float], octaves: Array, *, nearer: int = 0
+    ) -> list[tuple[int, float, float]]:
+        """Nodes at which other hills of the evidence have their tops than that of `point` (3,), its evidence [nats] and size, the
+        best first, as far as they may bring as much as it once tolerances follow.
+
+        Parameters
+        ----------
+        signs : whose signs a size may have
+        octaves : (p, k) sizes that are asked at each node, and as `nearer`, as of `sized`
+        """
         from scipy.spatial import cKDTree
 
-        own = int(np.argmin(np.linalg.norm(self.points - np.array(position(named.target)), axis=1)))
+        own = int(np.argmin(np.linalg.norm(self.points - point, axis=1)))
         some = np.unique([own, *np.linspace(0, len(self.points) - 1, ASKED).astype(np.int64)])
-        tree = cKDTree(self.points[some])
-        octaves = np.log2(abs(named.value) / self.plausible(self.at(some))[kind])
-        values = [named.value, -named.value] if kind == MASS else [named.value]
-        each = [
-            [self.sized(kind, one, value, octave)[0] for value in values]
-            for one, octave in zip(some.tolist(), octaves[:, None], strict=True)
-        ]
-        gains, sides = np.max(each, axis=1), np.argmax(each, axis=1)
-        around = tree.query(self.points[some], k=min(NEIGHBOURS, len(some)))[1]
-        uphill, top = around[np.arange(len(some)), np.argmax(gains[around], axis=1)], int(np.searchsorted(some, own))
-        least = (1 - SCREENING_ERROR) * gains[top] - SCREENING_MARGIN
+        each = [max(self.sized(kind, one, sign, octaves[one], nearer=nearer) for sign in signs) for one in some.tolist()]
+        gains, top = np.array([gain for gain, _ in each]), int(np.searchsorted(some, own))
+        around = cKDTree(self.points[some]).query(self.points[some], k=min(NEIGHBOURS, len(some)))[1]
+        uphill = around[np.arange(len(some)), np.argmax(gains[around], axis=1)]
+        least = _least_of_rivals(gains[top])
         while gains[uphill[top]] > gains[top]:
             top = int(uphill[top])
         tops = np.flatnonzero((gains[uphill] <= gains) & (gains > least) & (np.arange(len(some)) != top))
         best = tops[np.argsort(-gains[tops], kind="stable")][:FEW]
-        places = [(at_position(self.points[some[k]]), *named.targets[1:]) for k in best]
-        return tuple(replace(named, targets=at, values={"": values[sides[k]]}) for at, k in zip(places, best, strict=True))
+        return [(int(some[k]), float(gains[k]), each[k][1]) for k in best.tolist()]
 
     def best_name(self, kind: str) -> tuple[str, float]:
         """The best of the places that have names, and its evidence [nats]; empty where there is none."""
@@ -460,6 +486,11 @@ class MeshSearch:
     def finite(self) -> tuple[Finite, ...]:
         """By test, what is read with a mass or a spring of any size."""
         return tuple(one.finite(self.offsets, left.of.lines) for left, one in self.tests)
+
+
+def _least_of_rivals(gain: float) -> float:
+    """[nats] that another node must bring if it may bring as much as one with that `gain` once tolerances follow."""
+    return (1 - SCREENING_ERROR) * gain - SCREENING_MARGIN
 
 
 def nodes_of(one: Prediction) -> ReducedStructure | None:
@@ -492,36 +523,42 @@ def _resonator(frequency: Array, own: float, ratio: float) -> ComplexArray:
 def found_nodes(
     candidate: Candidate, progress: Callable[[float], None] = lambda share: None, *, far: bool = False
 ) -> tuple[tuple[NodeScores, ...], tuple[FoundNode, ...]]:
-    """What the data say of all nodes beside the fit of `candidate`, and of every kind that explains anything the best node;
-    `progress` hears the share done."""
+    """What the data say of all nodes beside the fit of `candidate`, and of every kind that explains anything the best node,
+    from afar also those of other hills; `progress` hears the share done."""
     every, found = list[NodeScores](), list[FoundNode]()
     wholes = {id(whole.structure.stiffness) for one in candidate.problem.predictions if (whole := nodes_of(one))}
     for k, search in enumerate(MeshSearch.of(candidate)):
         done = partial(lambda before, share: progress((before + share / 2) / len(wholes)), k)
         scores = search.scores(done)
         every.append(scores)
+        tops = dict[str, list[tuple[int, float, float]]]()
         for asked, (kind, evidence) in enumerate(scores.evidence.items()):
             done(1 + asked / len(scores.evidence))
-            if evidence.max() < PROMISING:
-                continue
-            node, gain, size = search.best_node(scores, kind, far=far)
-            (name, of_name), looked = search.best_name(kind), float(evidence.max()) - scores.somewhere(kind)
-            point, top = scores.points[node], int(np.argmax(evidence))
-            nearest, distance = nearest_place(scores.structure, point)
-            found.append(
-                FoundNode(
-                    named=scores.named(kind, node, size),
-                    straight=None if far else scores.named(kind, top, float(scores.size[kind][top])),
-                    article=scores.article,
-                    evidence=gain - looked,
-                    looked=looked,
-                    position=(float(point[0]), float(point[1]), float(point[2])),
-                    nearest=nearest,
-                    distance=distance,
-                    named_place=name,
-                    named_evidence=of_name,
+            if evidence.max() >= PROMISING:
+                tops[kind] = [search.best_node(scores, kind, far=far)]
+        least = _least_of_rivals(max((top[0][1] for top in tops.values()), default=np.inf))
+        for kind, top in tops.items():
+            if far and kind != RESONATOR and top[0][1] > least:
+                top += search.other_hills(kind, top[0])
+            (name, of_name), evidence = search.best_name(kind), scores.evidence[kind]
+            looked, first = float(evidence.max()) - scores.somewhere(kind), int(np.argmax(evidence))
+            for node, gain, size in top:
+                point = scores.points[node]
+                nearest, distance = nearest_place(scores.structure, point)
+                found.append(
+                    FoundNode(
+                        named=scores.named(kind, node, size),
+                        straight=None if far else scores.named(kind, first, float(scores.size[kind][first])),
+                        article=scores.article,
+                        evidence=gain - looked,
+                        looked=looked,
+                        position=(float(point[0]), float(point[1]), float(point[2])),
+                        nearest=nearest,
+                        distance=distance,
+                        named_place=name,
+                        named_evidence=of_name,
+                    )
                 )
-            )
     return tuple(every), tuple(sorted(found, key=lambda one: -one.evidence))
 
 
@@ -548,44 +585,52 @@ def without_a_name(
     declared = found_nodes(at_home, lambda share: progress(share / 2), far=True)[1]
     declared = tuple(one for one in declared if wanted(one.named) and _is_worth(one))
     # A resonator far above the band is a mass, and takes a fit of three sizes: it comes last, where it promises more than those
-    both = [each for some in (seen, declared) for each in [one for one in some if one.kind != RESONATOR][:FEW]]
+    both = [each for some in (seen, declared) for each in _first_of_kinds(some)]
     both += [each for each in seen if each.kind == RESONATOR]
     begins = [(each, named) for each in both for named in (each.named, each.straight) if named is not None]
+    least = -np.inf  # of what is seen from where tolerances are declared, beside a fit that leaves nothing
     for k, (one, here) in enumerate(begins):
         progress((1 + k / len(begins)) / 2)
-        kind, most = one.kind, -np.inf
+        kind, most, some = one.kind, -np.inf, [here]
         if kind == RESONATOR and any(one.evidence < each.evidence + INDISTINGUISHABLE_NATS for each in found.values()):
             continue
+        from_afar = any(one is each for each in declared)
+        if from_afar and one.evidence < least:
+            continue
         for _ in range(MOVES):
-            if here.id in asked:
+            ends = []
+            for each in some:
+                if each.id in asked:
+                    continue
+                asked.add(each.id)
+                ready = data.ready_at([each.target], anew=False)
+                start, effect = replace(base, problem=ready.problem(base.effects)), Added(named=each)
+                way, enough = restarted_from_priors if can_restart(effect) else fit_with, worth(base, tried)
+                with suppress(CheckFailed):  # over the coordinates of this node the model breaks down
+                    there = way(ready, start, effect, worth=enough)
+                    tried.append(candidate_fit(base, there))
+                    ends.append((there.fit.log_evidence, there, each, ready))
+            best, there, here, ready = max(ends, key=lambda end: end[0], default=(-np.inf, base, here, data))
+            if best <= most:
                 break
-            asked.add(here.id)
-            ready = data.ready_at([here.target], anew=False)
-            start, effect = replace(base, problem=ready.problem(base.effects)), Added(named=here)
-            way, enough = restarted_from_priors if can_restart(effect) else fit_with, worth(base, tried)
-            try:
-                there = way(ready, start, effect, worth=enough)
-            except CheckFailed:  # over the coordinates of this node the model breaks down
-                break
-            tried.append(candidate_fit(base, there))
-            if there.fit.log_evidence <= most:
-                break
-            most, fitted = there.fit.log_evidence, there.effects[-1].named
-            place = position(here.target) or one.position
+            if from_afar and goodness_of_fit(there.fit, there.problem).null:
+                least = max(least, _least_of_rivals(one.evidence))
+            most, fitted = best, there.effects[-1].named
+            point = position(here.target) or one.position
             gain = most - base.fit.log_evidence - one.looked
             if kind not in found or gain > found[kind].evidence:
-                found[kind], stood[kind] = replace(one, named=fitted, position=place, evidence=gain, fit=there.fit), there
-            if kind == RESONATOR or not fitted.value or there.fit.cost > enough:
+                found[kind], stood[kind] = replace(one, named=fitted, position=point, evidence=gain, fit=there.fit), there
+            if kind == RESONATOR or not fitted.value or there.fit.cost > worth(base, tried):
                 break
             about = MeshSearch.in_place_of(ready, there, base.fit.cost - there.fit.cost)
             search = next((each for each in about if each.structure.configuration == one.article), None)
             if search is None:
                 break
-            node, _, size = search.nearby(kind, np.array(place), fitted.value)
-            moved = at_position(search.points[node])
-            if moved == here.target:
-                break
-            here = replace(here, targets=(moved, *here.targets[1:]), values={"": size})
+            node, _, size = search.nearby(kind, np.array(point), fitted.value)
+            stays = at_position(search.points[node]) == here.target
+            further = search.out_of_reach(kind, node, size) if stays else [(node, size)]
+            others = [(at_position(search.points[other]), value) for other, value in further]
+            some = [replace(here, targets=(place, *here.targets[1:]), values={"": value}) for place, value in others]
     on = [one for one in base.problem.predictions if isinstance(one, OnNodes)]
     structures = {_known(one).configuration: whole.structure for one in on if (whole := nodes_of(one))}
     for kind, one in found.items():
@@ -672,6 +717,14 @@ def with_twins(data: Study, at: Candidate, steps: Sequence[SearchStep]) -> tuple
             data, at = ready, best.candidate
             more.append(replace(step, at=rest, tried=(best, *ranked(tried)), added=best.id, reconsidered=one.named.id))
     return data, at, tuple(more)
+
+
+def _first_of_kinds(nodes: Sequence[FoundNode]) -> list[FoundNode]:
+    """Of `nodes`, the best first, those of the first few kinds, and of other hills such as may come up to the best."""
+    kinds = list(dict.fromkeys(one.kind for one in nodes if one.kind != RESONATOR))[:FEW]
+    first = {one.kind: one for one in reversed(nodes)}
+    least = _least_of_rivals(max((one.evidence for one in nodes), default=0.0))
+    return [one for one in nodes if one.kind in kinds and (one is first[one.kind] or one.evidence > least)]
 
 
 def _is_worth(node: FoundNode) -> bool:

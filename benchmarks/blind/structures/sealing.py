@@ -15,6 +15,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from benchmarks.blind.drawing.case import NULL
 from benchmarks.blind.names import MODEL, SETTINGS, Json
 from benchmarks.blind.structures import shapes
 from benchmarks.blind.structures.drawing import (
@@ -101,13 +102,16 @@ def sealed(case: StructureCase, folder: Path) -> Json:
 
 
 def truth(case: StructureCase, faults: Sequence[Fault], places: Mapping[str, shapes.Point]) -> Json:
-    """What `case` is; spacing [m] is the mean distance of a sensor from the one nearest to it, of `places` in millimetres."""
+    """What `case` is; spacing [m] is the mean distance of a sensor from the one nearest to it, of `places` in millimetres.
+
+    Where the data tell nothing of what was to be planted, as a table of shapes of where its pick-ups are, it is one more null.
+    """
     at = {name: [x / 1e3 for x in place] for name, place in places.items()}
     apart = np.array(list(at.values())).reshape(-1, 3)
     near = [float(np.sort(np.linalg.norm(apart - one, axis=1))[1]) for one in apart]
     return {
         "name": case.name,
-        "kind": case.kind,
+        "kind": case.kind if faults else NULL,
         "laboratory": case.laboratory,
         "shape": case.shape,
         "test": case.test,

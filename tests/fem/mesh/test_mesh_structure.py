@@ -94,6 +94,25 @@ def test_a_joint_adds_its_compliance_in_all_six_directions(meshed: Meshed) -> No
     assert_allclose(jointed.rigid_mass, rigid.rigid_mass, rtol=1e-12, atol=1e-12)
 
 
+def test_slopes_of_a_point_are_those_of_the_element_that_holds_it(meshed: Meshed) -> None:
+    """Differences across a surface were half the slope, and across a joint what it opens over a tenth of a millimetre."""
+    points, elements = bricks((4, 1, 1), (0.4, 0.1, 0.1), "C3D20")
+    mesh = abaqus(points, {"left": ("C3D20", elements[:2]), "right": ("C3D20", elements[2:])})
+    parts = f"[fe_model.parts.left]\n{STEEL}\n[fe_model.parts.right]\n{STEEL}\n"
+    soft = ", ".join([*3 * ['"1e5 N/m"'], *3 * ['"1e3 N m/rad"']])
+    joint = f'[fe_model.joints.seam]\nbetween = ["left", "right"]\nat = ["0.2 m", "50 mm", "50 mm"]\nstiffness = [{soft}]\n'
+    structure = meshed(mesh, parts, more=joint)
+    assert structure.elements is not None
+    for at in ([0.4, 0.1, 0.1], [0.13, 0.05, 0.1], [0.2, 0.0, 0.04]):
+        slopes = structure.elements.slopes(np.array(at))
+        turning = [np.cross(np.eye(3)[axis], np.eye(3)) for axis in range(3)]  # (along, moved) about each axis
+        for axis, wanted in enumerate(turning):
+            assert_allclose(slopes @ structure.rigid[:, 3 + axis], wanted, atol=1e-8)
+        used = np.flatnonzero(np.abs(slopes).max(axis=(0, 1)))
+        own = {part for part in ("left", "right") if np.all(structure.part_mass[part].diagonal()[used] > 0)}
+        assert len(own) == 1
+
+
 def test_a_joint_between_solids_parts_the_common_face_and_carries_what_goes_through_it(meshed: Meshed) -> None:
     points, elements = bricks((4, 1, 1), (0.4, 0.1, 0.1), "C3D20")
     mesh = abaqus(points, {"left": ("C3D20", elements[:2]), "right": ("C3D20", elements[2:])})

@@ -34,6 +34,7 @@ def test_a_single_fault_is_one_and_none_is_drawn_twice_on_a_structure() -> None:
     found = sorted(id for some in ids for id in some)
     assert found == ["accelerometer-gain:s2-x", "mass:left", "modulus:left", "point-mass:@0,0,1"]
     assert [len(some) for some in ids] == [1, 1, 1, 1]
+    assert [sealing.truth(cases[0], some, {})["kind"] for some in (planted(cases[0], limits), ())] == ["singles", "nulls"]
 
 
 def test_an_accelerometer_reads_what_its_fault_makes_of_it(tmp_path: Path) -> None:

@@ -446,7 +446,7 @@ def test_what_is_too_heavy_on_one_side_may_be_as_much_too_light_on_the_other(stu
     (mesh,) = MeshSearch.of(candidates.baseline(study))
     mirror = np.array([0.3 - HIDDEN[0], 0.0, HIDDEN[2]])
 
-    def sized(self, kind, node, first, octaves):
+    def sized(self, kind, node, first, octaves, *, nearer):
         return 100.0 * np.exp(-np.linalg.norm(self.points[node] - (HIDDEN if first > 0 else mirror)) / 0.03), first
 
     monkeypatch.setattr(MeshSearch, "at", lambda self, nodes: self.points[nodes])
@@ -498,6 +498,45 @@ def test_from_afar_nodes_are_asked_where_a_straight_line_promises_nothing(study,
     monkeypatch.setattr(MeshSearch, "nearby", lambda self, kind, point, size: (point.tolist(), size))
     assert mesh.best_node(scores, "point-mass") != (mesh.points[own].tolist(), 1.0)
     assert mesh.best_node(scores, "point-mass", far=True) == (mesh.points[own].tolist(), 1.0)
+
+
+def test_from_afar_the_tops_of_other_hills_are_seen_that_may_come_up_to_the_best(study, monkeypatch):
+    """Of 56 g near a barrel's rim 1,639,000 nats were seen there, and 1,643,000 of 364 g half-way down the same line."""
+    (mesh,) = MeshSearch.of(candidates.baseline(study))
+    low, mirror = np.array([0.0, 0.0, 0.1]), np.array([0.3 - HIDDEN[0], 0.0, HIDDEN[2]])
+
+    def sized(self, kind, node, first, octaves, *, nearer):
+        hills = ((1000.0, HIDDEN), (900.0, mirror), (700.0, low))
+        return max(
+            top * np.exp(-np.linalg.norm(self.points[node] - at) / 0.03) for top, at in hills
+        ), first * 2.0 ** octaves.max()
+
+    monkeypatch.setattr(MeshSearch, "at", lambda self, nodes: self.points[nodes])
+    monkeypatch.setattr(MeshSearch, "plausible", lambda self, rows: dict.fromkeys(everywhere.KINDS, np.ones(len(rows))))
+    monkeypatch.setattr(MeshSearch, "sized", sized)
+    own = int(np.argmin(np.linalg.norm(mesh.points - HIDDEN, axis=1)))
+    ((node, gain, size),) = mesh.other_hills("point-mass", (own, 1000.0, 0.25))
+    assert np.linalg.norm(mesh.points[node] - mirror) < 0.03
+    assert 850.0 < gain <= 900.0
+    assert size == pytest.approx(0.25 * 0.25 * 2.0)  # a hill has sizes of its own
+
+
+def test_neighbours_that_no_straight_line_reaches_are_fitted(portal, tmp_path, monkeypatch):
+    """Beside 39 g at a barrel's rim 56 g at the next node, 9 nats better, were said to explain 1,300 nats less than nothing."""
+    hidden, sensors = f"point-mass:{at_position(HIDDEN)}=0.05", "a:x a:y b:x b:y c:x c:y c:z"
+    study = tabled(portal(tmp_path, 10), portal(tmp_path / "fine", 30), hidden, sensors)
+    base = candidates.baseline(study)
+    best = next(one for one in found_nodes(base)[1] if one.kind == "point-mass")
+    (mesh,) = MeshSearch.of(base)
+    by_distance = np.argsort(np.linalg.norm(mesh.points - HIDDEN, axis=1))
+    aside = mesh.points[by_distance[4]]
+    monkeypatch.setattr(everywhere, "found_nodes", lambda *of, far: ((), ()))
+    monkeypatch.setattr(MeshSearch, "nearby", lambda self, kind, point, size: (by_distance[4], 1.0, size))
+    monkeypatch.setattr(MeshSearch, "sized", lambda self, kind, node, first, octaves, nearer: (float(-node), 0.05))
+    wrong = replace(best, named=replace(best.named, targets=(at_position(aside),)), straight=None)
+    (found,) = without_a_name(study, base, [wrong])
+    away = np.linalg.norm(np.array(position(found.named.target)) - HIDDEN)
+    assert away < np.linalg.norm(aside - HIDDEN)
 
 
 def test_what_an_effect_brings_beside_another_is_told_against_a_fit_that_was_not_given_up(portal, tmp_path):
