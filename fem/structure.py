@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from geometry.errors import CheckFailed
+from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, Integers, freeze, rigid_transformation_6, skew
 
 Sparse = Any
@@ -184,6 +184,26 @@ def place_rows(structure: Structure, points: npt.ArrayLike) -> list[Sparse]:
         along = np.repeat(np.arange(3), len(rows))
         found.append(csr_array((values.ravel(), (along, np.tile(rows, 3))), shape=(3, n)))
     return found
+
+
+def rows_beside(structure: Structure, point: Array, shift: Array) -> Sparse:
+    """(3, n) what moves a pick-up at `shift` (3,) [m] from `point` (3,) [m] along x, y, z, as of `place_rows`.
+
+    Off the mesh it rides along with the element at `point`.
+
+    Raises
+    ------
+    BadInput, CheckFailed : as `place_rows`, of `point`.
+    """
+    from scipy.sparse import csr_array
+
+    try:
+        return place_rows(structure, point + shift)[0]
+    except BadInput:
+        if structure.elements is None:
+            raise
+        slopes = structure.elements.slopes(point)
+        return csr_array(place_rows(structure, point)[0] + csr_array(np.einsum("a,ain->in", shift, slopes)))
 
 
 def position_of(structure: Structure, place: str) -> Array | None:

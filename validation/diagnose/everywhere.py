@@ -430,13 +430,13 @@ class MeshSearch:
         found = self.hills(kind, self.points[node], [size], octaves, nearer=NEARER)
         return [one for one in found if one[1] > _least_of_rivals(gain)]
 
-    def out_of_reach(self, kind: str, node: int, size: float) -> list[tuple[int, float]]:
-        """Neighbours of a `node`, and sizes, that would bring less than nothing if tolerances followed to first order: only a fit
-        tells what they bring. The best first."""
+    def neighbours(self, kind: str, node: int, size: float) -> list[tuple[int, float]]:
+        """Nodes beside a `node`, and sizes, that bring most if tolerances follow to first order, the best first. Along sharp
+        resonances they do not, and only a fit tells what a neighbour brings."""
         octave = np.log2(abs(size) / self.plausible(self.at(np.array([node])))[kind][0])
         near = np.argsort(np.linalg.norm(self.points - self.points[node], axis=1), kind="stable")[1:NEIGHBOURS]
         told = sorted([(*self.sized(kind, one, size, octave + NARROW / 2, nearer=NEARER), one) for one in near.tolist()])
-        return [(one, x) for gain, x, one in told[: -FEW - 1 : -1] if gain < 0]
+        return [(one, x) for _, x, one in told[: -FEW - 1 : -1]]
 
     def twins(self, kind: str, named: Named) -> tuple[Named, ...]:
         """Effects at other nodes that may explain as much as `named` does. What is too heavy on one side of what is symmetric is
@@ -628,7 +628,7 @@ def without_a_name(
                 break
             node, _, size = search.nearby(kind, np.array(point), fitted.value)
             stays = at_position(search.points[node]) == here.target
-            further = search.out_of_reach(kind, node, size) if stays else [(node, size)]
+            further = search.neighbours(kind, node, size) if stays else [(node, size)]
             others = [(at_position(search.points[other]), value) for other, value in further]
             some = [replace(here, targets=(place, *here.targets[1:]), values={"": value}) for place, value in others]
     on = [one for one in base.problem.predictions if isinstance(one, OnNodes)]

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.structure import Sparse, Structure, place_rows, position_of
+from fem.structure import Sparse, Structure, position_of, rows_beside
 from fem.user_model import reading
 from geometry import toml_file
 from geometry.articles import built_in
@@ -406,7 +406,7 @@ def _row(structure: Structure, at: Point, faults: Sequence[Named], points: Mappi
         raise BadInput(source="simulate", field=place, problem=problem, remedy=f"Its places are {', '.join(structure.places)}")
     rows = structure.places[place]
     if np.any(shift):
-        rows = place_rows(structure, _where(structure, place) + shift)[0]
+        rows = rows_beside(structure, _where(structure, place), shift)
     return np.asarray(d @ rows.toarray())
 
 

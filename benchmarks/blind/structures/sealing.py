@@ -29,7 +29,7 @@ from benchmarks.blind.structures.drawing import (
     at_node,
     planted,
 )
-from fem.structure import Structure, place_rows
+from fem.structure import Structure, place_rows, rows_beside
 from fem.user_model import reading
 from geometry.atomic import write_text
 from geometry.dynamic_mass import MOTIONS
@@ -238,7 +238,7 @@ def read_by(tested: Structure, sensor: str, at: shapes.Point, faults: Sequence[F
             direction = direction + np.cross(along, direction)
         elif family == "accelerometer-position":
             shift = along
-    rows = place_rows(tested, np.array(at) / 1e3 + shift)[0] if np.any(shift) else tested.places[place]
+    rows = rows_beside(tested, np.array(at) / 1e3, shift) if np.any(shift) else tested.places[place]
     return np.asarray(direction @ rows.toarray())
 
 

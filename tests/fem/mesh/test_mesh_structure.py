@@ -11,9 +11,10 @@ from scipy.sparse.linalg import spsolve
 from benchmarks.read_meshes import STEEL, abaqus, bricks, plate
 from fem.mesh import description, model
 from fem.modes import fixed_base, floating_shift, lowest
-from fem.structure import Structure, hold
+from fem.structure import Structure, hold, rows_beside
 from fem.user_model.examine import lossless
 from geometry.errors import BadInput
+from geometry.frames import skew
 from validation.effects.catalogue import FAMILIES, Named
 from validation.model.model import Added
 from validation.prediction import structure as reduced
@@ -111,6 +112,9 @@ def test_slopes_of_a_point_are_those_of_the_element_that_holds_it(meshed: Meshed
         used = np.flatnonzero(np.abs(slopes).max(axis=(0, 1)))
         own = {part for part in ("left", "right") if np.all(structure.part_mass[part].diagonal()[used] > 0)}
         assert len(own) == 1
+        point, shift = np.array(at), np.array([0.0, 0.0, 0.02])  # off the mesh, but for the last
+        beside = rows_beside(structure, point, shift).toarray()
+        assert_allclose(beside @ structure.rigid, np.hstack([np.eye(3), -skew(point + shift)]), atol=1e-8)
 
 
 def test_a_joint_between_solids_parts_the_common_face_and_carries_what_goes_through_it(meshed: Meshed) -> None:

@@ -521,7 +521,7 @@ def test_from_afar_the_tops_of_other_hills_are_seen_that_may_come_up_to_the_best
     assert size == pytest.approx(0.25 * 0.25 * 2.0)  # a hill has sizes of its own
 
 
-def test_neighbours_that_no_straight_line_reaches_are_fitted(portal, tmp_path, monkeypatch):
+def test_neighbours_of_a_node_are_fitted_whatever_a_straight_line_says(portal, tmp_path, monkeypatch):
     """Beside 39 g at a barrel's rim 56 g at the next node, 9 nats better, were said to explain 1,300 nats less than nothing."""
     hidden, sensors = f"point-mass:{at_position(HIDDEN)}=0.05", "a:x a:y b:x b:y c:x c:y c:z"
     study = tabled(portal(tmp_path, 10), portal(tmp_path / "fine", 30), hidden, sensors)
