@@ -42,8 +42,9 @@ def test_it_has_pages_its_headings_are_bookmarks_and_figures_are_drawings(printe
 def test_whoever_prints_before_the_figures_are_drawn_gets_them_all_the_same(printed, browser_path, page, tmp_path):
     """As with Ctrl-P: no address that says paper, and no time of the page's own."""
     words = [browser_path, "--headless", *report_page.flags(), f"--user-data-dir={tmp_path}/profile", "--no-pdf-header-footer"]
-    subprocess.run([*words, f"--print-to-pdf={tmp_path}/at-once.pdf", page.as_uri()], check=True, capture_output=True, timeout=120)
-    at_once = unpacked((tmp_path / "at-once.pdf").read_bytes())
+    path = tmp_path / "at-once.pdf"
+    subprocess.run([*words, f"--print-to-pdf={path}", page.as_uri()], check=True, capture_output=True, timeout=120)
+    at_once = unpacked(path.read_bytes())
     assert at_once.count(b" l\n") > 0.9 * unpacked(printed).count(b" l\n")  # straight lines of curves: of tables alone a handful
 
 
