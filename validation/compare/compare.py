@@ -86,7 +86,12 @@ def of_evaluation(study: Study, fitted: Problem, evaluation: Evaluation, progres
         effects=tuple(one.named.id for one in model.effects),
         remarks=tuple(
             dict.fromkeys(
-                text.rstrip(".") for text in (*_remarks(made, maps, evaluation), *(text for one in alike for text in one.remarks))
+                text.rstrip(".")
+                for text in (
+                    *_remarks(made, maps, evaluation),
+                    *(text for one in alike for text in one.remarks),
+                    *study.on_several(model.effects),
+                )
             )
         ),
     )
