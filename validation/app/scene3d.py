@@ -294,7 +294,7 @@ class ShownStructure:
         whole = None if one.structure is None else one.structure.reduced
         nodes, moved = (np.zeros((0, 3)), np.zeros((0, 3), dtype=np.intp)) if whole is None else whole.nodes()
         if whole is None or not len(nodes):
-            problem = "its description states no coordinates, so there is nothing to be drawn"
+            problem = "its structure is no mesh, so there is nothing to be drawn"
             raise BadInput(source=name, problem=problem, remedy="Look at the curves and the MAC")
         every = one.table.sensors if isinstance(one, TableFrequencies | TableShapes) else ()
         if isinstance(one, ResponseFunctionTest):
