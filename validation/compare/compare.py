@@ -87,11 +87,8 @@ def of_evaluation(study: Study, fitted: Problem, evaluation: Evaluation, progres
         remarks=tuple(
             dict.fromkeys(
                 text.rstrip(".")
-                for text in (
-                    *_remarks(made, maps, evaluation),
-                    *(text for one in alike for text in one.remarks),
-                    *study.on_several(model.effects),
-                )
+                for said in (_remarks(made, maps, evaluation), *(one.remarks for one in alike), study.on_several(model.effects))
+                for text in said
             )
         ),
     )

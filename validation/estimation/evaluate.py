@@ -15,19 +15,7 @@ from geometry.toml_file import nearest
 from identification.self_calibration.solve import Normal, excess, total
 from validation.estimation.fit import BREAKDOWNS, PLAIN_FLOOR, Progress, at_bounds, child, descent, fit, nearby
 from validation.estimation.likelihood import Cost, cost_of, left_of_run, observed
-from validation.estimation.problem import (
-    FITTED,
-    MODE,
-    PLAIN,
-    Evaluation,
-    Fit,
-    Lines,
-    Offsets,
-    Predicted,
-    Prediction,
-    Problem,
-    Share,
-)
+from validation.estimation.problem import FITTED, PLAIN, Evaluation, Fit, Lines, Offsets, Predicted, Prediction, Problem, Share
 
 # Errors in per cent of what the judged channels read, each predicted from all the others (`validation.estimation.likelihood`).
 #
@@ -168,9 +156,8 @@ def folds(problem: Problem) -> tuple[Fold, ...]:
     found = []
     for one in problem.predictions:
         if len(one.measured.runs) > 1:
-            for run, axis in zip(one.measured.runs, one.measured.axes, strict=True):
-                said = f"{'' if axis == MODE else 'run '}{run} of {one.measured.name}"
-                found.append(Fold(name=said, runs={one.measured.name: (run,)}))
+            for run, words in zip(one.measured.runs, one.measured.called, strict=True):
+                found.append(Fold(name=f"{words} of {one.measured.name}", runs={one.measured.name: (run,)}))
     configurations = dict.fromkeys(one.measured.configuration for one in problem.predictions)
     if len(configurations) > 1:
         for configuration in configurations:

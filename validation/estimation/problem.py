@@ -98,6 +98,11 @@ class Measured:
         object.__setattr__(self, "noise", frozen(self.noise, shape, "noise"))
         object.__setattr__(self, "judged", np.array(self.judged, dtype=bool).reshape(c))
 
+    @property
+    def called(self) -> tuple[str, ...]:
+        """Each of `runs` in words."""
+        return tuple(run if axis == MODE else f"run {run}" for run, axis in zip(self.runs, self.axes, strict=True))
+
     def on(self, runs: Sequence[str]) -> "Measured":
         """The runs named alone, in the order in which they stand here."""
         kept = [k for k, run in enumerate(self.runs) if run in runs]

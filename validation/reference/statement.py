@@ -354,10 +354,8 @@ def stated(text: object, dimension: str, source: str, field: str) -> Stated | No
 # has nothing that contradicts it and is within.
 
 
-FIGURES = ("value\n± tolerance", "reference", "deviation", "in tol.", "within")
-"""Headings of the columns that hold figures."""
-
-HEADS = ("quantity", *FIGURES, "dominated by")
+HEADS = ("quantity", "value\n± tolerance", "reference", "deviation", "in tol.", "within", "dominated by")
+"""Of the columns; all but the first and the last hold figures."""
 
 MIN_WORDS = 11
 """Columns below which words are not squeezed: room for "CoG [kg m²]"."""
@@ -445,7 +443,7 @@ def rows_table(rows: Iterable[Row], title: str = "") -> "Table":
     columns = list(zip(*map(_cells, listed), strict=True)) or [()] * len(HEADS)
     kept = [(head, cells) for head, cells in zip(HEADS, columns, strict=True) if not cells or set(cells) != {NONE}]
     for head, cells in kept:
-        if head in FIGURES:
+        if head in HEADS[1:-1]:
             add_figures(table, head, cells)
         else:
             table.add_column(head, min_width=MIN_WORDS)
