@@ -42,7 +42,7 @@ KINDS = {
     "model": "a model file",
     "fe_model": "an FE model",
     "article": "the description of an article",
-    "kind": "a measurement file",
+    "kind": "a measurement file, or a structure whose keys belong below [fe_model]",
     "inertia": "a result file",
 }
 """What a file is that has the key, the first of them that it has."""

@@ -301,7 +301,7 @@ def of_table(table: dict[str, Any], source: str) -> Model:
         what = f"this is {kind}" if kind else "the table [model] is missing"
         remedy = f"{nearest('model', list(table))}`massline model ARTICLE --out FILE` writes one"
         if STRUCTURE_FILE[0] in table:
-            remedy = f"`massline model {source} --test TEST --out STUDY` writes one for it and its test"
+            remedy = f"`massline model {source} --test TEST --out STUDY` writes one for both; without --test, one to simulate"
         raise BadInput(source=source, field="model", problem=f"{what}, where a model file is needed", remedy=remedy)
     toml_file.require_format(table, source)
     whole = Fields(source=source, place="", table=table).only(TABLES)
@@ -562,7 +562,9 @@ def draft(article: str, out: Path | None = None) -> Model:
         elif not path.is_file():
             raise BadInput(source=article, problem="there is no such file", remedy="Check the path")
         name = path.parent.resolve().name if path.name == DESCRIPTION else path.stem
-        article, title = f"{KNOWN_FMD}+{name}", f"{name} on the FMD"
+        stated = toml_file.read(path).get(STRUCTURE_FILE[0], {}) if path.suffix.lower() == ".toml" else {}
+        by_itself = stated.get("kind") == "frame" or stated.get("support", "base") != "base"
+        article, title = (name, name) if by_itself else (f"{KNOWN_FMD}+{name}", f"{name} on the FMD")
         own = {article: str(path)}
     fmd_tolerance = Tolerances().fmd_inertia
     return Model(source=str(out or "model.toml"), title=title, article=article, fmd_tolerance=fmd_tolerance, own=own)
