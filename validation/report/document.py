@@ -190,15 +190,11 @@ class Table:
     def grid(self) -> Grid:
         """For a terminal."""
         rows = self.rows if self.shown is None else self.shown
-        drawn = [one for one in self.columns if one.on not in (PAGE, PANEL)]
-        columns = [one for k, one in enumerate(drawn) if k == 0 or not rows or any(map(holds, map(one.text, rows)))]
-        cells = [tuple(one.text(row) for row in rows) for one in columns]
-        lines = [
-            aligned(of) if k and one.aligned and not one.words else of
-            for k, (one, of) in enumerate(zip(columns, cells, strict=True))
-        ]
-        words = len(columns) > 1 and columns[-1].words
-        return Grid(header=tuple(one.short for one in columns), lines=tuple(zip(*lines, strict=True)), words=words)
+        drawn = [(one, tuple(one.text(row) for row in rows)) for one in self.columns if one.on not in (PAGE, PANEL)]
+        kept = [(one, of) for k, (one, of) in enumerate(drawn) if k == 0 or not rows or any(map(holds, of))]
+        lines = [aligned(of) if k and one.aligned and not one.words else of for k, (one, of) in enumerate(kept)]
+        words = len(kept) > 1 and kept[-1][0].words
+        return Grid(header=tuple(one.short for one, _ in kept), lines=tuple(zip(*lines, strict=True)), words=words)
 
     def html(self) -> Safe:
         """For a page; nothing where it has no rows."""
