@@ -684,7 +684,8 @@ def _table(folder: Path, path: Path) -> Mapping[str, object]:
         remedy = "Check the path" if problem.endswith("file") else f"Name the folder that holds {NAME}"
         raise BadInput(source=str(folder), problem=problem, remedy=remedy)
     if not path.exists() and not path.is_symlink():
-        raise BadInput(source=str(folder), problem=f"it holds no {NAME}", remedy="Name the folder of the campaign itself")
+        itself = "the folder of the campaign itself" if not (folder / "test.toml").is_file() else str(folder / "test.toml")
+        raise BadInput(source=str(folder), problem=f"it holds no {NAME}", remedy=f"Name {itself}")
     require_file(path)
     if path.stat().st_size > LARGEST_TEXT:
         raise BadInput(source=str(path), problem="it is larger than any campaign.toml", remedy="Check what it holds")

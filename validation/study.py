@@ -489,10 +489,9 @@ class Study:
             for place in (one for one in effect.named.targets if one.startswith(AT)):
                 have = [article for article, of in known.items() if place in of.nominal.places]
                 if len(have) > 1:
-                    yield (
-                        f"several articles have the point of {effect.named.id}, which acts on {' and '.join(have)}: to mean one, "
-                        "give the point a name under [fe_model.places] in the file of that one, and write the name"
-                    )
+                    named = "give the point a name under [fe_model.places] in the file of that one, and write the name"
+                    which = f"several articles have the point of {effect.named.id}, which acts on {' and '.join(have)}"
+                    yield f"{which}: to mean one, {named}"
 
     @property
     def history(self) -> HistoryPosition:

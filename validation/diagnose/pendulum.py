@@ -32,8 +32,7 @@ from validation.study import Study
 # The answer on classical measurements in sentences.
 
 
-NOTHING_MISSING = "Nothing is missing at this data's resolution."
-"""Which a headline has said already."""
+NOTHING_MISSING = "Nothing is missing at this data's resolution."  # which a headline has said already
 
 NOTEWORTHY = 1e-2
 """[probability] of a misfit below which it is said. Exercised by tests/validation/diagnosing/test_classical.py."""
