@@ -162,7 +162,8 @@ def place_rows(structure: Structure, points: npt.ArrayLike) -> list[Sparse]:
     if structure.elements is not None:
         return list(structure.elements.rows(points))
     if not len(structure.points):
-        raise CheckFailed("The structure knows no coordinates of nodes; state places by their nodes or degrees of freedom.")
+        known = ", ".join(list(structure.places)[:20]) or "its nodes or degrees of freedom"
+        raise CheckFailed(f"The structure knows no coordinates of nodes; a place is named there: {known}.")
     from scipy.spatial import cKDTree
 
     at = np.asarray(points, dtype=np.float64).reshape(-1, 3)

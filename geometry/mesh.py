@@ -243,11 +243,6 @@ def _meet(vertices: Array, corner: Integers, one: Integers, other: Integers) -> 
     return within | ((sides[0] * sides[1] < 0) & (sides[2] * sides[3] < 0) & (sides[0] * sides[2] < 0))
 
 
-def shared_volume(first: TriangleMesh, second: TriangleMesh) -> float:
-    """Volume [m³] that belongs to both bodies, as `shared_volumes` has it."""
-    return shared_volumes((first, second)).get((0, 1), 0.0)
-
-
 def shared_volumes(bodies: Sequence[TriangleMesh]) -> dict[tuple[int, int], float]:
     """Volume [m³] that two of `bodies` share, by their numbers, where it is not zero; each closed, free of self-intersections.
 
@@ -473,7 +468,7 @@ def _require_simple(mesh: TriangleMesh, source: str, unit: LengthUnit) -> tuple[
     warned = []
     for first, second in touching:
         a, b, both = bodies[first], bodies[second], f"pieces {first + 1} and {second + 1}"
-        shared, smaller = shared_volume(a, b), min(a.volume, b.volume)
+        shared, smaller = shared_volumes((a, b)).get((0, 1), 0.0), min(a.volume, b.volume)
         if shared > SLIVER * smaller:
             common = np.array([np.maximum(a.bounds[0], b.bounds[0]), np.minimum(a.bounds[1], b.bounds[1])])
             raise _overlap(f"{both} overlap", shared, common, source, unit)

@@ -42,19 +42,22 @@ KINDS = {
     "model": "a model file",
     "fe_model": "an FE model",
     "article": "the description of an article",
-    "kind": "a measurement file",
+    "kind": "a measurement file, or a structure whose keys belong below [fe_model]",
     "inertia": "a result file",
 }
 """What a file is that has the key, the first of them that it has."""
 
 
 def require_no_other(path: Path) -> None:
-    """Refuse a deck, with how it becomes a description, and a universal file, of which another argument is made."""
+    """Refuse a deck or a mesh, with how it becomes a description, and a universal file, of which another argument is made."""
     if not path.is_file():
         return
     if path.suffix.lower() in DECKS:
         remedy = f"Describe its structure first: massline model {path} --out {path.with_suffix('.toml')}"
         raise BadInput(source=str(path), problem="it is a deck of a finite-element program", remedy=remedy)
+    if path.suffix.lower() in (".msh", ".med"):
+        remedy = f'Describe its structure first: [fe_model] with kind = "mesh", file = "{path.name}" and materials of its groups'
+        raise BadInput(source=str(path), problem="it is a mesh, which does not say what it is made of", remedy=remedy)
     if path.suffix.lower() in (".unv", ".uff"):
         problem = "it is a universal file, a measurement, where a file in TOML is needed"
         raise BadInput(source=str(path), problem=problem, remedy="MODEL comes first and DATA behind it")

@@ -310,11 +310,6 @@ def factor(unit: object, quantity: str, *, source: str, field: str) -> float:
     raise BadInput(source=source, field=field, problem=problem, remedy=f"{nearest(name, known)}Known are {', '.join(known)}")
 
 
-def is_unit(text: str) -> bool:
-    """Whether `text` is one of the units known here."""
-    return any(_SPELT.get(text, text) in units for units in UNITS.values())
-
-
 def is_same(unit: str, other: str, quantity: str) -> bool:
     """Whether both are the same unit of `quantity`."""
     known = UNITS[quantity]
@@ -682,7 +677,7 @@ def _problems(values: Samples, channel: Channel, signals: Signals, toml: str) ->
         said.append(
             f"dataset 164 ({units.words}) gives it in {named(theirs, channel.quantity)}, {toml} in {channel.unit}: {size}"
         )
-    if is_unit(label) and not is_same(label, channel.unit, channel.quantity):
+    if any(_SPELT.get(label, label) in units for units in UNITS.values()) and not is_same(label, channel.unit, channel.quantity):
         said.append(f"its axis is labelled {label}, {toml} gives it in {channel.unit}")
     remedy = "Correct the one that is wrong"
     contradictions = [BadInput(source=signals.source, field=channel.name, problem=problem, remedy=remedy) for problem in said]

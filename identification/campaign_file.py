@@ -677,13 +677,15 @@ def _described(folder: Path, problems: Problems) -> campaigns.Campaign | None:
 
 def _table(folder: Path, path: Path) -> Mapping[str, object]:
     if not folder.is_dir():
-        named = "file" if folder.suffix.lower() == ".toml" else "folder"
+        named = "file" if folder.suffix.lower() in (".toml", ".uff", ".unv") else "folder"
         problem = "it is no folder" if folder.exists() else f"there is no such {named}"
         if folder.suffix.lower() == ".toml" and folder.is_file() and "model" in toml_file.read(folder):
             problem = "it is a model file, where the folder of a campaign is needed"
-        raise BadInput(source=str(folder), problem=problem, remedy=f"Name the folder that holds {NAME}")
+        remedy = "Check the path" if problem.endswith("file") else f"Name the folder that holds {NAME}"
+        raise BadInput(source=str(folder), problem=problem, remedy=remedy)
     if not path.exists() and not path.is_symlink():
-        raise BadInput(source=str(folder), problem=f"it holds no {NAME}", remedy="Name the folder of the campaign itself")
+        itself = "the folder of the campaign itself" if not (folder / "test.toml").is_file() else str(folder / "test.toml")
+        raise BadInput(source=str(folder), problem=f"it holds no {NAME}", remedy=f"Name {itself}")
     require_file(path)
     if path.stat().st_size > LARGEST_TEXT:
         raise BadInput(source=str(path), problem="it is larger than any campaign.toml", remedy="Check what it holds")

@@ -5,7 +5,7 @@ without any campaign. Spectra are made when a study is opened; the fit of all pa
 asks for them, and then they are kept, whoever asks next.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
@@ -22,7 +22,7 @@ from identification.campaign import METHODS, Campaign
 from identification.files import uff
 from validation.classical import files
 from validation.effects.catalogue import There, words_of
-from validation.effects.effect import AXES, INDISTINGUISHABLE_NATS, Vocabulary
+from validation.effects.effect import AT, AXES, INDISTINGUISHABLE_NATS, Vocabulary
 from validation.estimation.evaluate import evaluate, named, without
 from validation.estimation.fit import fit, nearby
 from validation.estimation.problem import FITTED, Evaluation, Fact, Fit, Problem
@@ -481,6 +481,17 @@ class Study:
     def left_out(self) -> tuple[str, ...]:
         """Which lines of the data were left out, and why."""
         return tuple(text for one in self.made for text in one.tested.remarks)
+
+    def on_several(self, effects: Sequence[Added]) -> Iterator[str]:
+        """Which of `effects` act at coordinates that several of the articles have, and how to mean one: its places have names."""
+        known = {one.measured.configuration: one.structure for one in self.tests if one.structure is not None}
+        for effect in effects:
+            for place in (one for one in effect.named.targets if one.startswith(AT)):
+                have = [article for article, of in known.items() if place in of.nominal.places]
+                if len(have) > 1:
+                    named = "give the point a name under [fe_model.places] in the file of that one, and write the name"
+                    which = f"several articles have the point of {effect.named.id}, which acts on {' and '.join(have)}"
+                    yield f"{which}: to mean one, {named}"
 
     @property
     def history(self) -> HistoryPosition:

@@ -166,11 +166,6 @@ def of_block(densities: Array, rate: Array, window: Array) -> Array:
     return np.sqrt(densities * np.asarray(rate)[:, None, None] * 4 * np.sum(window**2) / np.sum(window) ** 2)
 
 
-def without_rounding(noise: Array, level: Array) -> Array:
-    """`noise` (r, n, c) with 0 where a channel's is rounding beside its largest line `level` (c,)."""
-    return np.where(noise > NOTHING * level, noise, 0.0)
-
-
 def _width(step: float) -> int:
     """Lines of a density, so many [Hz] apart, that a mean smooths."""
     return 2 * round(SMOOTH / step) + 1

@@ -186,7 +186,7 @@ def _transformed(
         sd = noise.of_full_record(known.density, np.array([one.duration for one in recorded]))
     else:
         sd = noise.of_block(known.density, np.array(rates), hann(of.block_size))
-    sd = noise.without_rounding(sd, np.abs(stacked).max(axis=(0, 1)))
+    sd = np.where(sd > noise.NOTHING * np.abs(stacked).max(axis=(0, 1)), sd, 0.0)
     held = ", ".join(f"{run.name} by {pilot}" for run, pilot in zip(campaign.runs, pilots, strict=False))
     biased = (f"peak-reference-hold is biased near lightly damped resonances; reference of each run: {held}",) if pilots else ()
     ends = peak_hold.warnings(campaign) if method == "full-record" else ()

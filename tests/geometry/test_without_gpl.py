@@ -76,9 +76,8 @@ def test_what_two_bodies_share_is_what_cgal_cuts_out_of_them() -> None:
         first, second = meshes.pieces(crossing(seed))
         vertices, faces, _ = mesh_boolean(first.vertices, first.faces, second.vertices, second.faces, "intersect")
         smaller = min(first.volume, second.volume)
-        shares.append(
-            [meshes.shared_volume(first, second) / smaller, TriangleMesh(vertices=vertices, faces=faces).volume / smaller]
-        )
+        shared = meshes.shared_volumes((first, second)).get((0, 1), 0.0)
+        shares.append([shared / smaller, TriangleMesh(vertices=vertices, faces=faces).volume / smaller])
     found, expected = np.transpose(shares)
     assert expected.max() > 0.05
     assert_allclose(found, expected, rtol=0, atol=1e-12)  # of the smaller body; rounding makes 1e-14
@@ -88,4 +87,4 @@ def test_what_is_no_closed_surface_shares_nothing_that_could_be_told() -> None:
     ball = trimesh.creation.icosphere(subdivisions=1)
     whole = TriangleMesh(vertices=ball.vertices, faces=ball.faces)
     with pytest.raises(ValueError, match="must be closed surfaces, found NotManifold"):
-        meshes.shared_volume(whole, TriangleMesh(vertices=ball.vertices, faces=ball.faces[1:]))
+        meshes.shared_volumes((whole, TriangleMesh(vertices=ball.vertices, faces=ball.faces[1:])))

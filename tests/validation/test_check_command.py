@@ -224,16 +224,16 @@ def test_a_universal_file_says_what_it_holds_and_how_a_model_reads_it(run, tmp_p
     test_file.write(tmp_path / "hammer.unv", test_file.of_responses(test))
     code, out, err = run("check", "hammer.unv")
     assert (code, err) == (main.DONE, "")
-    assert "8 responses, 1 drives, acceleration" in out
+    assert "8 responses, 1 drive, acceleration" in out
     assert "along -z; read at" in out
     assert "and 2 more" in out
     _, _, table = out.partition("A model reads it by\n\n")
     assert run("check", "hammer.unv", "--json")[0] == main.DONE
     (tmp_path / "frame.toml").write_text(f'format = 1\nmodel = {{ title = "f", article = "fmd+clumod-1" }}\n\n{table}')
-    assert "8 responses, 1 drives" in run("check", "frame.toml")[1]
+    assert "8 responses, 1 drive" in run("check", "frame.toml")[1]
     (tmp_path / "study.toml").write_text((tmp_path / "frame.toml").read_text().replace('article = "hammer"\nfile', "file"))
     for named in ("hammer.unv", "study.toml"):  # whose [[test]] leaves the article to the model
-        assert "8 responses, 1 drives" in run("check", named)[1]
+        assert "8 responses, 1 drive" in run("check", named)[1]
         assert "nobody says where node-4-z" in run("identify", named)[2]
 
 

@@ -12,6 +12,10 @@ import pytest
         (("check", "m.toml"), "it is a model file without a [[test]], no measurement"),
         (("compare", "H.unv", "m.toml"), "it is a universal file, a measurement, where a file in TOML is needed. MODEL"),
         (("identify", "deck.inp"), "it is a deck of a finite-element program. Describe its structure first"),
+        (("model", "bar.msh"), "it is a mesh, which does not say what it is made of. Describe its structure first: [fe_model]"),
+        (("check", "none.uff"), "none.uff: there is no such file. Check the path"),
+        (("check", "hammer"), "it holds no campaign.toml. Name hammer/test.toml"),
+        (("compare", "m.toml", "hammer"), "it holds no campaign.toml. Name hammer/test.toml"),
         (("reference", "m.toml"), "this is a model file, not what is read here"),
         (("add", "m.toml", "series"), "the effect stands before DATA"),
         (("excite", "fmd", "--axis", "rx"), "Did you mean alpha?"),
@@ -23,6 +27,9 @@ def test_what_was_mistaken_is_said(refused, run, tmp_path, arguments, words):
     run("model", "fmd+clumod-1", "--out", "m.toml")
     (tmp_path / "H.unv").write_text("    -1\n", encoding="utf-8")
     (tmp_path / "deck.inp").write_text("*NODE\n", encoding="utf-8")
-    (tmp_path / "series").mkdir()
+    (tmp_path / "bar.msh").write_text("$MeshFormat\n", encoding="utf-8")
+    for name in ("series", "hammer"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "hammer" / "test.toml").touch()
     (tmp_path / "series" / "campaign.toml").write_text("format = 1\n", encoding="utf-8")
     assert words in refused(*arguments)

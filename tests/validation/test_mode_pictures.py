@@ -57,6 +57,16 @@ def test_letters_of_a_full_sheet_have_7_points_on_paper_where_it_is_182_mm_wide(
     assert min(sizes) * 182 / (motion.COLUMNS * motion.TILE[0]) * 72 / 25.4 >= 7
 
 
+def test_the_map_of_nodes_says_whole_why_its_figures_are_not_those_of_the_table(renderer, tmp_path, monkeypatch):
+    """On the narrowest sheet: the map is to first order, and another node may be first where sizes are finite."""
+    lines, write = list[str](), motion.scene.write
+    monkeypatch.setattr(motion.scene, "write", lambda *words, **how: (lines.append(words[3]), write(*words, **how)))
+    mode_sheet("nodes", [swaying()], tmp_path / "sheet.png", motion.NOTE, swing=0.0)
+    said = " ".join(lines)
+    assert "to first order (the table's sizes are finite)" in said
+    assert "…" not in said
+
+
 @pytest.mark.parametrize("name", ["clumod-4", "disc+cuboid"])
 def test_a_rigid_motion_of_a_beam_model_carries_every_point_rigidly(name):
     model = flexible(name, "beam", FlexibleOptions(count=1))

@@ -184,3 +184,35 @@ def test_a_pick_up_that_reads_eight_per_cent_too_much_is_named_by_whoever_has_hi
     (found,) = answer("diagnose", path)["accepted"]
     assert found["id"] == "accelerometer-gain:floor-3-x"
     assert found["value"] == pytest.approx(0.08, abs=0.01)
+
+
+STRIP = """BEGIN BULK
+MAT1,1,210000.,,.3,7.85-9
+PSHELL,1,1,5.,1,,1
+{nodes}
+{sheets}
+SPC1,1,123456,1,2
+ENDDATA
+"""
+"""Of steel, 320 by 40 mm, clamped at one end."""
+
+
+def test_coordinates_that_two_articles_have_are_said_to_be_of_both_and_how_one_is_meant(run, tmp_path: Path) -> None:
+    """A mass that was hung onto one of them would count for the other, too, without a word."""
+    nodes = [f"GRID,{1 + j + 2 * i},,{40.0 * i},{40.0 * j},0." for i in range(9) for j in range(2)]
+    sheets = [f"CQUAD4,{k},1,{2 * k - 1},{2 * k + 1},{2 * k + 2},{2 * k}" for k in range(1, 9)]
+    (tmp_path / "strip.bdf").write_text(STRIP.format(nodes="\n".join(nodes), sheets="\n".join(sheets)))
+    own = ""
+    for name in "ab":
+        assert run("model", "strip.bdf", "--out", f"{name}.toml")[0] == 0
+        described = tmp_path / f"{name}.toml"
+        described.write_text(f'{described.read_text()}\n[fe_model.places]\ntip-{name} = ["0.32 m", "0 m", "0 m"]\n')
+        own += f'{name} = "{name}.toml"\n'
+        test = f'format = 1\nkind = "modal-table"\ntitle = "of {name}"\narticle = "{name}"\nfrequencies = [41.5, 260.0]\n'
+        (tmp_path / f"test-{name}.toml").write_text(test)
+    both = f'format = 1\n[model]\narticle = "a"\n[structure]\nkind = "own"\n[structure.own]\n{own}'
+    for place, told in (("@0.24,0.03,0", True), ("tip-b", False)):
+        mass = f'[[effect]]\nid = "point-mass:{place}"\nvalue = 0.05\n'
+        (tmp_path / "both.toml").write_text(both + mass)
+        said = " ".join(run("compare", "both.toml", "test-a.toml", "test-b.toml")[1].split())
+        assert ("which acts on a and b: to mean one, give the point a name" in said) == told, said

@@ -158,6 +158,7 @@ def test_words_wrap_figures_stay_whole_and_no_line_ends_in_spaces(columns, monke
     print_pages([rows_table([MASS], "A [title]\nconstructed, not measured")])
     page = capsys.readouterr().out
     assert "47.40 ± 0.14" in page
+    assert "reference" not in page  # of which no row says anything
     assert "…" not in page
     assert max(map(len, page.splitlines())) <= max(80, int(columns))
     assert all(line == line.rstrip() for line in page.splitlines())

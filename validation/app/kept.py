@@ -175,7 +175,7 @@ class Compared:
         ------
         KeyError : there is none of that name.
         """
-        return self.maps[self._place(campaign)]
+        return dict(zip(self.campaigns, self.maps, strict=True))[campaign]
 
     def modes_of(self, campaign: str) -> tuple[NamedMode, ...]:
         """Those of the article of `campaign`; none of an FMD alone or of a rigid one.
@@ -184,21 +184,7 @@ class Compared:
         ------
         KeyError : there is no campaign of that name.
         """
-        return self.modes[self._place(campaign)]
-
-    def loads_of(self, campaign: str, channel: str) -> tuple[int, ...]:
-        """Those that a `channel` tells: of a force channel its own, of an acceleration all six.
-
-        Raises
-        ------
-        KeyError : there is no campaign of that name.
-        """
-        return self.loads[self._place(campaign)].get(channel) or tuple(range(6))
-
-    def _place(self, campaign: str) -> int:
-        if campaign not in self.campaigns:
-            raise KeyError(campaign)
-        return self.campaigns.index(campaign)
+        return dict(zip(self.campaigns, self.modes, strict=True))[campaign]
 
 
 # A model file and its ladder in another folder. Paths in ``[structure.own]`` and in a ladder (its data) are seen from their own

@@ -32,7 +32,7 @@ from validation.diagnose.diagnosis import Cause, Diagnosis, sized
 from validation.effects import practical_units
 from validation.effects.effect import at_position
 from validation.estimation.verdicts import STANDS_OUT
-from validation.output import nats
+from validation.output import nats, significant
 from validation.report.charts import functions, maps
 from validation.report.charts.crosscheck import standing_of
 from validation.report.charts.figure import Figure
@@ -102,7 +102,7 @@ async def rungs_shown(window: WindowState) -> None:
         told = "no figures yet"
         if (of := one.errors) is not None:
             held = "" if of.held_out is None else f", checked {of.held_out:.3g} %"
-            told = f"plain {of.plain:.3g} %{held}, χ² {of.chi2_per_dof:.2f}, tolerances {of.tolerance_z2:.0f}"
+            told = f"plain {of.plain:.3g} %{held}, χ² {significant(of.chi2_per_dof, 3)}, tolerances {of.tolerance_z2:.0f}"
         rung = {
             "number": one.number,
             "title": one.title,

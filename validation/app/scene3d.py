@@ -133,7 +133,11 @@ def entry_of(of: Compared, cell: MapCell) -> MapEntry:
     else:
         levels = np.array([LEVELS[axis] for axis in MOTIONS])
         motion = int(np.argmax(np.abs(found.inputs[run, line, :6]) / levels[: found.inputs.shape[2]]))
-    loads = [row - found.channels] if row >= found.channels else list(of.loads_of(cell.campaign, cell.row))
+    loads = (
+        [row - found.channels]
+        if row >= found.channels
+        else list(of.loads[of.campaigns.index(cell.campaign)].get(cell.row) or range(6))
+    )
     sigma = np.zeros((6, 6)) if found.pairs is None else found.pairs.sigma[_line(found.pairs.frequency, cell.frequency)]
     most = max(loads, key=lambda load: float(sigma[load, motion]))
     return MapEntry(campaign=cell.campaign, load=most, motion=motion, frequency=float(found.frequency[line]))
@@ -294,7 +298,7 @@ class ShownStructure:
         whole = None if one.structure is None else one.structure.reduced
         nodes, moved = (np.zeros((0, 3)), np.zeros((0, 3), dtype=np.intp)) if whole is None else whole.nodes()
         if whole is None or not len(nodes):
-            problem = "its description states no coordinates, so there is nothing to be drawn"
+            problem = "its structure is no mesh, so there is nothing to be drawn"
             raise BadInput(source=name, problem=problem, remedy="Look at the curves and the MAC")
         every = one.table.sensors if isinstance(one, TableFrequencies | TableShapes) else ()
         if isinstance(one, ResponseFunctionTest):
@@ -408,6 +412,9 @@ def of_test(
             body = Outline.of(one.whole.structure, points).moving(article, shown)
             x, y, z = 1e3 * points[np.argmax(evidence)]
             note = f"{WORDS[kind]}: at most {evidence.max():.3g} nats, at ({x:.4g}, {y:.4g}, {z:.4g}) mm; grey explains nothing."
+            note += (
+                " Each node alone, to first order: the table has the best at finite sizes, less what looking everywhere costs."
+            )
         table = Turntable((body,), sensors, nodes=nodes)
         note += " A click on a node asks what something there would do." if nodes is not None else ""
         return Turned(table=table, label=f"{name}: structure and sensors", note=note)

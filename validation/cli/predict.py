@@ -295,10 +295,8 @@ def simulate_command(ctx: click.Context, /, articles: tuple[str, ...], out: Path
         if other := sorted(stated - {*both, *of_structure}):
             problem = "is an option of a test of ARTICLE, and none of that of a structure"
             raise BadInput(source=f"--{other[0].replace('_', '-')}", problem=problem, remedy="Leave it out")
-        common = {name: given[name] for name in both}
-        simulate_structure(
-            articles[0], out, as_json=as_json, **{**common, "band": given["band"] if "band" in stated else None}, **of_structure
-        )
+        common = {name: given[name] for name in both} | {name: None for name in ("band", "cross") if name not in stated}
+        simulate_structure(articles[0], out, as_json=as_json, **common, **of_structure)
         return
     given["responses"] = of_structure.pop("responses")
     if other := sorted(stated & of_structure.keys()):

@@ -12,7 +12,7 @@ from geometry.inertia import LOADS
 from validation.compare.correlation import FunctionCorrelation, ModalCorrelation, NamedMode, correlations, modes_of
 from validation.compare.maps import LENGTHS, Map, Rig, doubt, in_percent, mapped
 from validation.estimation import verdicts
-from validation.estimation.problem import Evaluation, Fit, Problem, Share
+from validation.estimation.problem import MODE, Evaluation, Fit, Problem, Share
 from validation.estimation.verdicts import ExplainedError, StatedError, Tolerance
 from validation.output import derived, entry, plain_unit, to_json, two_digits, unwritten
 from validation.prediction.series import SeriesPrediction
@@ -86,7 +86,9 @@ def of_evaluation(study: Study, fitted: Problem, evaluation: Evaluation, progres
         effects=tuple(one.named.id for one in model.effects),
         remarks=tuple(
             dict.fromkeys(
-                text.rstrip(".") for text in (*_remarks(made, maps, evaluation), *(text for one in alike for text in one.remarks))
+                text.rstrip(".")
+                for said in (_remarks(made, maps, evaluation), *(one.remarks for one in alike), study.on_several(model.effects))
+                for text in said
             )
         ),
     )
@@ -604,7 +606,7 @@ def text(spot: Spot, configurations: int = 2) -> str:
         *([spot.course] if spot.course else []),
     ]
     # The same row in other runs and data sets
-    own = [run(name, name) for data_set, name, _ in spot.elsewhere if data_set == spot.data_set]
+    own = [run(name, MODE if spot.axis == MODE else name) for data_set, name, _ in spot.elsewhere if data_set == spot.data_set]
     if len(own) > NAMED:
         own = [f"{', '.join(own[:NAMED])} and {len(own) - NAMED} more"]
     said = [*own, *dict.fromkeys(data_set for data_set, _, _ in spot.elsewhere if data_set != spot.data_set)]
@@ -614,6 +616,6 @@ def text(spot: Spot, configurations: int = 2) -> str:
 def run(name: str, axis: str) -> str:
     """ "the y-sweep", with the name of the run where that says more; a mode of a table is called by its name."""
     if axis not in AXES:
-        return name if name.startswith("mode ") else f"run {name}"
+        return name if axis == MODE else f"run {name}"
     swept = f"the {axis}-sweep" if axis in MOTIONS[:3] else f"the {axis} sweep"
     return swept if name == axis else f"{swept} ({name})"

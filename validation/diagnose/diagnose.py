@@ -245,7 +245,7 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
             if one.reconsidered != one.added or not one.added
         ),
         hold_out=before.held_out_names,
-        remarks=(*pendulum.contradictions(study, base, found), *told),
+        remarks=(*pendulum.contradictions(study, base, found), *study.on_several(found.effects), *told),
         settings={
             **settings(study),
             **search.SETTINGS,

@@ -32,6 +32,8 @@ from validation.study import Study
 # The answer on classical measurements in sentences.
 
 
+NOTHING_MISSING = "Nothing is missing at this data's resolution."  # which a headline has said already
+
 NOTEWORTHY = 1e-2
 """[probability] of a misfit below which it is said. Exercised by tests/validation/diagnosing/test_classical.py."""
 
@@ -46,7 +48,7 @@ def answer(found: classical.ClassicalVerdict, facts: Sequence[diagnosis.Measurem
     """The verdict, what it rests on, and what one number cannot say."""
     text = "Something is missing, and no effect that is known here explains the measurements, alone or in pairs."
     if found.verdict == diagnosis.NOTHING:
-        text = "Nothing is missing at this data's resolution."
+        text = NOTHING_MISSING
         if found.probability < NOTEWORTHY:
             text = "Nothing can be named at this data's resolution, though the model does not fit well."
     elif found.verdict == diagnosis.MISSING:

@@ -156,9 +156,8 @@ def folds(problem: Problem) -> tuple[Fold, ...]:
     found = []
     for one in problem.predictions:
         if len(one.measured.runs) > 1:
-            for run in one.measured.runs:
-                said = f"{'' if run.startswith('mode ') else 'run '}{run} of {one.measured.name}"
-                found.append(Fold(name=said, runs={one.measured.name: (run,)}))
+            for run, words in zip(one.measured.runs, one.measured.called, strict=True):
+                found.append(Fold(name=f"{words} of {one.measured.name}", runs={one.measured.name: (run,)}))
     configurations = dict.fromkeys(one.measured.configuration for one in problem.predictions)
     if len(configurations) > 1:
         for configuration in configurations:

@@ -38,6 +38,10 @@ WITHIN = 2.5
 """[tolerance] by which a plain fit may move what is declared. Exercised by tests/validation/engine/test_fit.py."""
 
 
+MODE = "mode"
+"""In the place of what a run drove, where it is a mode of a table: nothing was."""
+
+
 # `Measured`: complex lines of one data set, as the engine sees them: runs, lines, channels, and nothing of what they are.
 
 
@@ -51,7 +55,7 @@ class Measured:
     configuration : what was tested; effects on parts of it act wherever it has them
     hardware : id of the measuring equipment; data sets with the same id share its errors
     runs : (r,) names
-    axes : (r,) what each run drove, as it is called in words; may be empty
+    axes : (r,) what each run drove, as it is called in words; may be empty. `MODE` of a run that is a mode of a table
     channels : (c,) names
     judged : (c,) bool, the channels in which the plain error is told: forces, or the responses of an accelerance test
     frequency : (n,) [Hz], ascending
@@ -93,6 +97,11 @@ class Measured:
         object.__setattr__(self, "frequency", frozen(self.frequency, (n,), "frequency"))
         object.__setattr__(self, "noise", frozen(self.noise, shape, "noise"))
         object.__setattr__(self, "judged", np.array(self.judged, dtype=bool).reshape(c))
+
+    @property
+    def called(self) -> tuple[str, ...]:
+        """Each of `runs` in words."""
+        return tuple(run if axis == MODE else f"run {run}" for run, axis in zip(self.runs, self.axes, strict=True))
 
     def on(self, runs: Sequence[str]) -> "Measured":
         """The runs named alone, in the order in which they stand here."""

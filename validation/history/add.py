@@ -509,7 +509,7 @@ def added(study: Study, asked: AddedEffectOptions, progress: Progress | None = N
     rung = _next(at, before, after, replace(chosen, added=effect), asked, study)
     there = history.climbed(at, rung)
     new = next(one for one in reversed(there.ladder.rungs) if one.model == rung.model)
-    said = [*study.left_out, *known]
+    said = [*study.left_out, *known, *study.on_several((effect,))]
     if there.rung is None or there.rung.number != new.number:
         told = "was changed while the fit ran and is left as it is"
         said.append(f"{there.path.name} {told}; `--go {new.number}` goes to the new rung")

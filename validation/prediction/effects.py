@@ -69,7 +69,6 @@ ASSUMED = (
 DENSITY, THICKNESS, SUPPORT = (FAMILIES[name].tolerance for name in ("mass", "thickness", "support-stiffness"))
 """Standard deviations of what nobody states: of a part's density and thickness, and of the logarithm of a support's stiffness."""
 
-
 APART_BY_MESH = 0.25
 """[share of what a mesh is too stiff by] that is not common to all modes: 0.2 over 25 modes of three structures against CalculiX,
 see `fem.mesh.places.ENERGY_TOO_HIGH`. Held by tests/validation/prediction/test_structure_tests.py."""
@@ -150,8 +149,10 @@ class Nuisances:
         made = [_factor(self.stiffness_of(part), self.known(part, "modulus", of.modulus)) for part in parts]
         made += [_factor(f"thickness:{part}", self.known(part, "thickness", THICKNESS)) for part in parts if part in m.sections]
         made += [_declared(f"mesh:{part}", of.mesh) for part in self.coarse]
-        made += [_declared(f"mass:{part}", self.known(part, "density", DENSITY)) for part in parts if part in m.part_mass]
-        made += [replace(_declared(f"mass:{body}", self.known(body, "density", DENSITY)), plausible=BODY) for body in m.bodies]
+        weighing = {part: 0.0 for part in parts if part in m.part_mass} | dict.fromkeys(m.bodies, BODY)
+        for part, most in weighing.items():  # nothing loses more than it weighs, by a tolerance no more than by a fault
+            one = _declared(f"mass:{part}", self.known(part, "density", DENSITY))
+            made.append(replace(one, low=FAMILIES["mass"].sizes[0].low, plausible=most))
         made += [replace(_declared(f"loss:{part}", self.known(part, "loss_factor", of.damping)), low=-1.0) for part in self.lossy]
         shares = {DAMPING_LAW: of.damping_law, LOSS_COUPLING: of.loss_coupling}
         made += [replace(_declared(law, shares[law]), low=0.0, high=1.0) for law in self.laws]

@@ -31,7 +31,7 @@ from identification.modal_table import SOUND_SHAPE, ModalTable, paired
 from validation.effects.catalogue import FAMILIES, There
 from validation.effects.effect import CHANNEL_STAGE, STRUCTURE_STAGE
 from validation.effects.stages import ChannelResponse, Matrices
-from validation.estimation.problem import Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted
+from validation.estimation.problem import MODE, Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted
 from validation.model.model import Added
 from validation.prediction import dynamic_mass, points
 from validation.prediction import effects as prediction_effects
@@ -523,6 +523,7 @@ def of(
             name=f"{table.title} frequencies",
             configuration=table.article,
             runs=table.names,
+            axes=(MODE,) * len(table.names),
             channels=(FREQUENCY, DAMPING) if damped else (FREQUENCY,),
             judged=np.array([True, False][: len(values)]),
             frequency=np.array([table.frequency.mean()]),
@@ -550,6 +551,7 @@ def of(
             name=f"{table.title} shapes",
             configuration=table.article,
             runs=table.names,
+            axes=(MODE,) * len(table.names),
             channels=tuple(point.name for point in table.sensors),
             judged=np.zeros(len(table.sensors), dtype=bool),  # the error in per cent is that of the frequencies
             frequency=np.array([table.frequency.mean()]),

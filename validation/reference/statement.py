@@ -354,8 +354,8 @@ def stated(text: object, dimension: str, source: str, field: str) -> Stated | No
 # has nothing that contradicts it and is within.
 
 
-FIGURES = ("value\n± tolerance", "reference", "deviation", "in tol.", "within")
-"""Headings of the columns that hold figures."""
+HEADS = ("quantity", "value\n± tolerance", "reference", "deviation", "in tol.", "within", "dominated by")
+"""Of the columns; all but the first and the last hold figures."""
 
 MIN_WORDS = 11
 """Columns below which words are not squeezed: room for "CoG [kg m²]"."""
@@ -424,23 +424,31 @@ class Row:
 def rows_table(rows: Iterable[Row], title: str = "") -> "Table":
     """`rows` as a table to print; a value is rounded to the second significant digit of its tolerance.
 
-    It fits 80 columns: figures are never broken or cut, only words wrap.
+    What no row has, as a reference where nothing is held against one, is no column. It fits 80 columns: figures are never broken
+    or cut, only words wrap.
     """
     from rich import box
     from rich.table import Table
     from rich.text import Text
 
     table = Table(
-        title=headline(title) if title else None, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False
+        title=headline(title) if title else None,
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
+        min_width=min(80, max(map(len, title.splitlines()), default=0)),  # else a title breaks where its table ends
     )
     listed = list(rows)
-    figures = list(zip(*(_cells(row)[1:-1] for row in listed), strict=True)) or [()] * len(FIGURES)
-    table.add_column("quantity", min_width=MIN_WORDS)
-    for heading, column in zip(FIGURES, figures, strict=True):
-        add_figures(table, heading, column)
-    table.add_column("dominated by", min_width=MIN_WORDS)
-    for row in listed:
-        table.add_row(*(Text(cell) for cell in _cells(row)), style=None if row.within else "bold red")
+    columns = list(zip(*map(_cells, listed), strict=True)) or [()] * len(HEADS)
+    kept = [(head, cells) for head, cells in zip(HEADS, columns, strict=True) if not cells or set(cells) != {NONE}]
+    for head, cells in kept:
+        if head in HEADS[1:-1]:
+            add_figures(table, head, cells)
+        else:
+            table.add_column(head, min_width=MIN_WORDS)
+    for k, row in enumerate(listed):
+        table.add_row(*(Text(cells[k]) for _, cells in kept), style=None if row.within else "bold red")
     return table
 
 

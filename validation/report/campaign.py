@@ -301,7 +301,8 @@ def show_tests(name: str, tests: "Sequence[ResponseFunctions | ModalTable]", *, 
             "coherence": None,
         }
         if isinstance(one, ResponseFunctions):
-            row |= {"what": f"{len(one.responses)} responses, {len(one.drives)} drives, {one.quantity}"}
+            count = ((len(one.responses), "response"), (len(one.drives), "drive"))
+            row |= {"what": ", ".join([*(f"{n} {word}{'s' * (n > 1)}" for n, word in count), one.quantity])}
             row |= {"coherence": None if one.coherence is None else float(np.median(one.coherence))}
         rows.append(row)
     warnings = [f"{word}." for one in tests for word in one.warnings]

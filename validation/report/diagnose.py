@@ -20,7 +20,7 @@ from validation.diagnose.classical_tests import SURE
 from validation.diagnose.diagnose import ready
 from validation.diagnose.diagnosis import Needed, SwingAnswer
 from validation.diagnose.nonlinear import require_levels
-from validation.diagnose.pendulum import only_classical
+from validation.diagnose.pendulum import NOTHING_MISSING, only_classical
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import evidence_threshold
 from validation.effects.practical_units import said, written_as
@@ -214,8 +214,7 @@ def classical_document(found: SwingAnswer, named: str) -> doc.Document:
         *([f"--json has {len(found.advice) - MOST} more tests."] if len(found.advice) > MOST else []),
         *(f"warning: {text}." for text in found.remarks),
     ]
-    rest = found.text.partition(". ")[2] if found.text.startswith("Nothing is missing") else found.text  # which the headline says
-    opening = (f"{HEADLINES[found.verdict]}.", rest)
+    opening = (f"{HEADLINES[found.verdict]}.", found.text.removeprefix(NOTHING_MISSING).lstrip())
     return doc.Document(title=named, opening=opening, blocks=(facts, effects, inputs, advice, least), notes=notes)
 
 

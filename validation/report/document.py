@@ -96,6 +96,11 @@ class Grid:
         return table(self.caption, columns, headed, note=note)
 
 
+def holds(cell: "Cell") -> bool:
+    """Whether something stands in `cell`: a column of others is left out."""
+    return (cell.text if isinstance(cell, Number) else str(cell)).strip() not in ("", NONE)
+
+
 def aligned(cells: tuple[str, ...]) -> tuple[str, ...]:
     """`cells` padded so that their decimal points stand below each other."""
     parts = [at_point(cell) for cell in cells]
@@ -184,21 +189,18 @@ class Table:
 
     def grid(self) -> Grid:
         """For a terminal."""
-        columns = [one for one in self.columns if one.on not in (PAGE, PANEL)]
         rows = self.rows if self.shown is None else self.shown
-        cells = [tuple(one.text(row) for row in rows) for one in columns]
-        lines = [
-            aligned(of) if k and one.aligned and not one.words else of
-            for k, (one, of) in enumerate(zip(columns, cells, strict=True))
-        ]
-        words = len(columns) > 1 and columns[-1].words
-        return Grid(header=tuple(one.short for one in columns), lines=tuple(zip(*lines, strict=True)), words=words)
+        drawn = [(one, tuple(one.text(row) for row in rows)) for one in self.columns if one.on not in (PAGE, PANEL)]
+        kept = [(one, of) for k, (one, of) in enumerate(drawn) if k == 0 or not rows or any(map(holds, of))]
+        lines = [aligned(of) if k and one.aligned and not one.words else of for k, (one, of) in enumerate(kept)]
+        words = len(kept) > 1 and kept[-1][0].words
+        return Grid(header=tuple(one.short for one, _ in kept), lines=tuple(zip(*lines, strict=True)), words=words)
 
     def html(self) -> Safe:
         """For a page; nothing where it has no rows."""
         columns = [one for one in self.columns if one.on not in (TERMINAL, PANEL)]
         cells = [[one.cell(row) for row in self.rows] for one in columns]
-        kept = [k for k, of in enumerate(cells) if k == 0 or any(one not in ("", NOTHING) for one in of)]  # no empty column
+        kept = [k for k, of in enumerate(cells) if k == 0 or any(map(holds, of))]
         return table(self.caption, [columns[k] for k in kept], list(zip(*(cells[k] for k in kept), strict=True)), note=self.note)
 
     def panel(self) -> list[dict[str, Any]]:

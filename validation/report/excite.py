@@ -577,7 +577,7 @@ def simulate_structure(
     responses: Sequence[str],
     block: float | None,
     axis: str,
-    cross: float,
+    cross: float | None,
 ) -> None:
     """Answer `massline simulate MODEL.toml`.
 

@@ -10,11 +10,88 @@
   let known = null;
   let onPaper = location.hash === "#paper";
 
-  async function unpacked(name) {
+  function unpacked(name) {
     const element = document.getElementById(name);
     const bytes = Uint8Array.from(atob(element.textContent), (letter) => letter.charCodeAt(0));
     element.remove();
-    return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+    return new TextDecoder().decode(inflated(bytes));
+  }
+
+  // What gzip has packed (RFC 1951, 1952), at once: a page may be printed before a DecompressionStream has said anything.
+  function inflated(bytes) {
+    const out = new Uint8Array(new DataView(bytes.buffer).getUint32(bytes.length - 4, true));
+    let [from, to, held, count] = [10, 0, 0, 0]; // behind the head of gzip, as Python writes it: no name, no comment
+
+    function bits(wanted) {
+      for (; count < wanted; count += 8) held |= bytes[from++] << count;
+      const value = held & ((1 << wanted) - 1);
+      held >>>= wanted;
+      count -= wanted;
+      return value;
+    }
+
+    // A canonical Huffman code by the lengths of its words: how many there are of each length, and symbols in their order.
+    function code(lengths) {
+      const counts = new Uint16Array(16);
+      for (const length of lengths) counts[length]++;
+      counts[0] = 0;
+      const starts = counts.map((_, n) => counts.subarray(0, n).reduce((sum, one) => sum + one, 0));
+      const symbols = new Uint16Array(lengths.length);
+      lengths.forEach((length, symbol) => { if (length) symbols[starts[length]++] = symbol; });
+      return { counts, symbols };
+    }
+
+    function symbol({ counts, symbols }) {
+      for (let [n, word, first, index] = [1, 0, 0, 0]; n < 16; n++) {
+        word = (word << 1) | bits(1);
+        if (word - first < counts[n]) return symbols[index + word - first];
+        index += counts[n];
+        first = (first + counts[n]) << 1;
+      }
+      throw new Error("the page is damaged");
+    }
+
+    const many = (length, times) => Array(times).fill(length);
+    const LENGTHS = [...many(8, 144), ...many(9, 112), ...many(7, 24), ...many(8, 8)];
+    const ORDER = [16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15];
+
+    function codes(kind) {
+      if (kind === 1) return [code(LENGTHS), code(many(5, 30))];
+      const [literals, distances, known] = [bits(5) + 257, bits(5) + 1, bits(4) + 4];
+      const first = many(0, 19);
+      for (let k = 0; k < known; k++) first[ORDER[k]] = bits(3);
+      const [of, lengths] = [code(first), []];
+      while (lengths.length < literals + distances) {
+        const one = symbol(of);
+        if (one < 16) lengths.push(one);
+        else if (one === 16) lengths.push(...many(lengths.at(-1), 3 + bits(2)));
+        else lengths.push(...many(0, one === 17 ? 3 + bits(3) : 11 + bits(7)));
+      }
+      return [code(lengths.slice(0, literals)), code(lengths.slice(literals))];
+    }
+
+    for (let last = 0; !last;) {
+      last = bits(1);
+      const kind = bits(2);
+      if (kind === 0) {
+        [held, count] = [0, 0];
+        const length = bytes[from] | (bytes[from + 1] << 8);
+        out.set(bytes.subarray(from + 4, from + 4 + length), to);
+        [from, to] = [from + 4 + length, to + length];
+        continue;
+      }
+      const [literals, distances] = codes(kind);
+      for (let one = symbol(literals); one !== 256; one = symbol(literals)) {
+        if (one < 256) { out[to++] = one; continue; }
+        const step = one < 265 || one === 285 ? 0 : (one - 261) >> 2;
+        const length = one === 285 ? 258 : one < 265 ? one - 254 : (((one - 265) & 3) + 4 << step) + 3 + bits(step);
+        const far = symbol(distances);
+        const wide = far < 4 ? 0 : (far - 2) >> 1;
+        const back = far < 4 ? far + 1 : ((far & 1) + 2 << wide) + 1 + bits(wide);
+        for (const end = to + length; to < end; to++) out[to] = out[to - back];
+      }
+    }
+    return out;
   }
 
   function dark() {
@@ -69,27 +146,42 @@
     }
   }
 
-  async function drawAll() {
+  function readAll() {
     try {
       const script = document.createElement("script");
-      script.text = await unpacked("packed-library");
+      script.text = unpacked("packed-library");
       document.head.append(script);
-      known = JSON.parse(await unpacked("packed-figures"));
+      known = JSON.parse(unpacked("packed-figures"));
     } catch (error) {
-      for (const plot of plots()) plot.textContent = "This browser is too old to draw the figure; the tables hold its numbers.";
-      root.dataset.drawn = "none";
-      return;
+      console.error(error); // every figure says that it cannot be drawn
     }
+  }
+
+  function drawn(plot) {
+    try {
+      return draw(plot);
+    } catch (error) {
+      plot.textContent = "This figure cannot be drawn; the tables hold its numbers.";
+      console.error(plot.id, error);
+    }
+  }
+
+  async function drawAll() {
+    await new Promise((then) => setTimeout(then, 0)); // texts and tables are there first
+    if (!known) readAll();
     for (const plot of plots()) {
-      try {
-        await draw(plot);
-      } catch (error) {
-        plot.textContent = "This figure cannot be drawn; the tables hold its numbers.";
-        console.error(plot.id, error);
-      }
+      if (!plot.layout) drawn(plot);
       if (!onPaper) await new Promise((then) => setTimeout(then, 0));
     }
-    root.dataset.drawn = "all";
+    root.dataset.drawn = known ? "all" : "none";
+  }
+
+  // Whoever prints before all is drawn gets the rest at once: a browser waits for nothing that is promised.
+  function onSheets() {
+    onPaper = true;
+    if (!known) readAll();
+    for (const plot of plots().filter((one) => !one.layout)) drawn(plot);
+    redress();
   }
 
   function chosen(group) {
@@ -151,7 +243,7 @@
   });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => known && redress());
   document.getElementById("print").addEventListener("click", () => print());
-  addEventListener("beforeprint", () => { onPaper = true; if (known) redress(); });
+  addEventListener("beforeprint", onSheets);
   addEventListener("afterprint", () => { onPaper = false; if (known) redress(); });
   drawAll();
 })();

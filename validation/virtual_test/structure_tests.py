@@ -697,7 +697,7 @@ def plan_of(
     responses: Sequence[str],
     block: float,
     axis: str = "",
-    cross: float = CROSS,
+    cross: float | None = None,
 ) -> StructurePlan:
     """The plan of `massline simulate MODEL.toml`; points and band are those of the model's own test where it names one.
 
@@ -739,7 +739,7 @@ def plan_of(
         remedy = 'State support = "base" with its interface, or strike it where it is with --test hammer'
         raise BadInput(source=path, field="fe_model.support", problem=problem, remedy=remedy)
     stray = {"--drive": based and drives, "--block": based and block, "--axis": kind != BASE and axis}
-    if wrong := [option for option, given in {**stray, "--cross": not based and cross != CROSS}.items() if given]:
+    if wrong := [option for option, given in {**stray, "--cross": not based and cross is not None}.items() if given]:
         raise BadInput(source=wrong[0], problem=f"is no option of --test {kind}", remedy="Leave it out")
     if axis:
         toml_file.one_of(axis, tuple("xyz"), source="--axis", where="")
@@ -782,7 +782,7 @@ def plan_of(
         band=(float(limits[0]), float(limits[1])),
         block=block,
         axis=axis,
-        cross=cross,
+        cross=CROSS if cross is None else cross,
     )
 
 

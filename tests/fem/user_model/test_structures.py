@@ -245,7 +245,9 @@ def test_a_place_moves_on_from_node_to_node_without_a_step(block: Callable[..., 
 
 
 def test_a_structure_without_coordinates_has_no_place_by_coordinates(bridge: reading.UsersModel) -> None:
-    with pytest.raises(CheckFailed, match="knows no coordinates"):
+    with pytest.raises(
+        CheckFailed, match=f"knows no coordinates of nodes; a place is named there: {next(iter(bridge.model.places))}"
+    ):
         place_rows(bridge.model, [0.0, 0.0, 0.0])
 
 

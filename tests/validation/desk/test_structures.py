@@ -164,6 +164,8 @@ def test_the_structure_stands_swings_and_stands_beside_its_test(made):
     pair = ShownPair.chosen(table, None)
     assert pair.at == (0, table.modes.index(table.pairs[0].model))
     assert "alike" in pair.words
+    far = replace(table, pairs=(replace(table.pairs[0], percent=105.8), *table.pairs[1:]))
+    assert "(+106 %)" in replace(pair, of=far).words
     assert_allclose(np.abs(pair.scaled), np.abs(table.model_shapes[pair.at[1]]), atol=0.02 * np.abs(table.model_shapes).max())
     both = scene3d.of_test(desk, compared, "table shapes", None, pair)
     moving = {one.name: one for one in both.table._bodies}

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from geometry.errors import BadInput
 from validation.estimation.evaluate import NEAR, evaluate, every_block, folds, held, named, refitted, solved, without
 from validation.estimation.fit import PLAIN_FLOOR, fit
-from validation.estimation.problem import PLAIN, Problem
+from validation.estimation.problem import MODE, PLAIN, Problem
 
 TRUTH = {"mass": 0.03, "inertia": -0.02, "damping": 0.2, "frequency:one": 0.01, "frequency:first": 0.015, "frequency:two": -0.01}
 
@@ -50,8 +50,10 @@ def test_by_default_each_run_and_each_configuration_is_held_out_in_turn_and_so_e
     assert len(folds(Problem((lab.toy({}),)))) == 3
     assert folds(Problem((lab.toy({}, runs=1),))) == ()
     modes = lab.toy({}, name="table")
-    named = replace(modes, measured=replace(modes.measured, runs=("mode 1", "mode 2", "mode 3")))
-    assert [fold.name for fold in folds(Problem((named,)))] == ["mode 1 of table", "mode 2 of table", "mode 3 of table"]
+    named = replace(modes, measured=replace(modes.measured, runs=("mode 1", "bending", "torsion"), axes=(MODE,) * 3))
+    assert [fold.name for fold in folds(Problem((named,)))] == ["mode 1 of table", "bending of table", "torsion of table"]
+    driven = replace(modes, measured=replace(modes.measured, runs=("mode a", "mode b", "mode c")))  # modes of a shaker, say
+    assert [fold.name for fold in folds(Problem((driven,)))] == [f"run mode {one} of table" for one in "abc"]
     count = sum(len(part.measured.runs) for fold in folds(series) for part, _ in held(series, fold))
     assert count == 2 * 6
 

@@ -27,6 +27,9 @@ def test_what_tolerances_pay_is_told_over_what_is_due_wherever_it_is_drawn(rung,
     assert_allclose(on_paper, 30.25 / 40.0, rtol=1e-12)
     assert_allclose(np.asarray(line.y, dtype=float), on_paper, rtol=1e-12)
     assert "due" in price
+    absurd = tuple(replace(one, errors=replace(one.errors, tolerance_z2=142_320.0)) for one in rungs)
+    at = replace(at, ladder=Ladder(rungs=absurd, current=1), rung=absurd[1])
+    assert "3560" in {text for one in falling_errors(at).data for text in one.get("text", ())}  # and not 3.56e+03
 
 
 HEIGHTS = st.lists(st.floats(-200.0, 200.0), min_size=1, max_size=8)

@@ -158,3 +158,16 @@ def test_what_cannot_be_examined_is_refused(run, arguments: tuple[str, ...], wor
     code, _, said = run("model", *arguments)
     assert code == 2
     assert words in said
+
+
+@pytest.mark.parametrize(("support", "article"), [("ground", "beam"), ("free", "beam"), ("base", "fmd+beam")])
+def test_only_what_stands_on_a_base_is_put_on_the_fmd(run, refused, tmp_path, support, article):
+    """A tower on the ground was called "tower on the FMD", and FEs without a test were told to bring one."""
+    np.savez(tmp_path / "beam.npz", stiffness=np.diag([1.0, 2.0]), mass=np.eye(2))
+    described = f'format = 1\n[fe_model]\nkind = "matrices"\nfile = "beam.npz"\nsupport = "{support}"\n'
+    (tmp_path / "beam.toml").write_text(described)
+    assert run("model", "beam.toml", "--out", "lab.toml")[0] == 0
+    assert f'article = "{article}"' in (tmp_path / "lab.toml").read_text()
+    assert "without --test, one to simulate" in refused("simulate", "beam.toml", "--out", "none")
+    (tmp_path / "bare.toml").write_text(described.replace("[fe_model]\n", ""))
+    assert "a structure whose keys belong below [fe_model]" in refused("reference", "bare.toml")

@@ -18,6 +18,7 @@ from validation.effects.catalogue import Named
 from validation.estimation.fit import nearby
 from validation.estimation.problem import FITTED
 from validation.model.model import Added
+from validation.prediction import effects
 from validation.prediction import structure as reduced
 from validation.study import Study
 
@@ -110,3 +111,13 @@ def test_what_a_reduced_structure_errs_by_is_said_where_the_data_tell_it(study: 
     assert said.startswith("the structure as it was reduced is ")
     ready, anew = search.reduced_anew(data, of)
     assert search.left_of_reduction(ready, anew) == []
+
+
+def test_no_part_loses_more_than_it_weighs(sheet: Structure) -> None:
+    """However far off a model is: a fit that swallows it with the tolerance of a density stops before a mass turns negative."""
+    made = reduced.by_itself(sheet, BAND)
+    of = effects.nuisances("sheet", made.matrices, made.frequency, {}, highest=BAND)
+    lightest = {one.name: one.bounds(plain=False)[0] for one in of.parameters if one.family == "mass"}
+    assert set(lightest) == {"mass:1", "mass:2"}
+    assert all(-1 <= low < 0 for low in lightest.values())
+    assert np.linalg.eigvalsh(of.at(lightest)[0].mass)[0] > 0

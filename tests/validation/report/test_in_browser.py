@@ -11,6 +11,7 @@ from validation.report.charts import interactive, spec
 from validation.report.document import Figures, Safe, joined
 from validation.report.page import framed
 
+TURNED = "getComputedStyle(document.querySelector('.picture img')).filter"
 SURFACE = "document.querySelector('.plot')._fullLayout.paper_bgcolor"
 
 
@@ -42,6 +43,7 @@ def test_light_and_dark_follow_the_reader_and_the_switch_and_every_text_stands_o
     other = {"light": "dark", "dark": "light"}[scheme]
     with opened(page, color_scheme=scheme) as found:
         assert found.tab.evaluate(SURFACE) == surfaces[scheme]
+        assert (found.tab.evaluate(TURNED) != "none") == (scheme == "dark")  # pictures are drawn on white
         assert found.tab.evaluate(script("contrast")) == []
         assert found.tab.evaluate(script("unlabelled")) == []
         found.tab.screenshot(path=tmp_path / f"{scheme}.png")
@@ -49,6 +51,7 @@ def test_light_and_dark_follow_the_reader_and_the_switch_and_every_text_stands_o
         found.tab.keyboard.press("Enter")
         found.becomes(SURFACE, surfaces[other])
         assert found.tab.evaluate("document.documentElement.dataset.theme") == other
+        assert (found.tab.evaluate(TURNED) != "none") == (other == "dark")
         assert found.tab.evaluate(script("contrast")) == []
         assert found.complaints == []
 
@@ -78,6 +81,7 @@ def test_paper_is_light_and_without_controls(opened, page, tmp_path):
         found.tab.evaluate("dispatchEvent(new Event('beforeprint'))")
         assert found.tab.evaluate(SURFACE) == "#ffffff"
         assert found.tab.evaluate("getComputedStyle(document.querySelector('section')).backgroundColor") == "rgb(255, 255, 255)"
+        assert found.tab.evaluate(TURNED) == "none"
         assert not found.tab.locator("button.copy").first.is_visible()
         assert not found.tab.locator("nav.screen-only").is_visible()
         assert found.tab.locator("nav.paper-only").is_visible()

@@ -45,3 +45,11 @@ def test_a_table_has_one_number_a_cell_its_unit_in_the_head_and_a_button_and_a_g
     assert 'class="table whole"' not in table("Words", [Column("x", words=True)] * 2, [["word", 400 * "a"]] * 3)
     made = Grid(header=("", "how"), lines=(("1", "  use `massline check`"),), words=True, caption="Words").html()
     assert "use <code>massline check</code>" in made
+
+
+def test_a_column_in_which_nothing_stands_is_on_no_terminal_and_no_page():
+    columns = [Column(head, lambda row, k=k: row[k]) for k, head in enumerate(("mode", "frequency", "coherence"))]
+    rows = [("first", 2.0, None), ("second", None, None)]
+    assert Table(columns=columns, rows=rows).grid().header == ("mode", "frequency")
+    assert "coherence" not in Table(columns=columns, rows=rows).html()
+    assert Table(columns=columns, rows=[*rows, ("third", 3.0, 0.9)]).grid().header == ("mode", "frequency", "coherence")

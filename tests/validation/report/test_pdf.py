@@ -1,6 +1,7 @@
 """The page on paper: a browser prints all of it; without one the command says what to install before it computes anything."""
 
 import re
+import subprocess
 import zlib
 from typing import Any
 
@@ -36,6 +37,15 @@ def test_it_has_pages_its_headings_are_bookmarks_and_figures_are_drawings(printe
     for heading in ("Summary", "Identified inertia", "Where it fails", "What is missing", "Provenance"):
         assert heading.encode() in said or heading.encode("utf-16-be") in said, heading
     assert unpacked(printed).count(b" c\n") > 2000  # curves: texts and tables alone have about two hundred
+
+
+def test_whoever_prints_before_the_figures_are_drawn_gets_them_all_the_same(printed, browser_path, page, tmp_path):
+    """As with Ctrl-P: no address that says paper, and no time of the page's own."""
+    words = [browser_path, "--headless", *report_page.flags(), f"--user-data-dir={tmp_path}/profile", "--no-pdf-header-footer"]
+    path = tmp_path / "at-once.pdf"
+    subprocess.run([*words, f"--print-to-pdf={path}", page.as_uri()], check=True, capture_output=True, timeout=120)
+    at_once = unpacked(path.read_bytes())
+    assert at_once.count(b" l\n") > 0.9 * unpacked(printed).count(b" l\n")  # straight lines of curves: of tables alone a handful
 
 
 def test_a_browser_that_says_nothing_is_told_of_and_one_that_hangs_is_ended(page, tmp_path, monkeypatch):

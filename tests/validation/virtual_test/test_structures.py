@@ -217,6 +217,7 @@ def test_what_stands_on_no_base_or_asks_for_what_the_test_has_not_is_refused(on_
     assert "--drive: is no option of --test base" in refused(*asked("base", "--drive", "a:x", *out))
     assert "--block: is no option of --test base" in refused(*asked("base", "--block", "3", *out))
     assert "--axis: is no option of --test shaker" in refused(*asked("shaker", "--axis", "x", *out))
+    assert "--cross: is no option of --test hammer" in refused(*asked("hammer", "--cross", "0.03", *out))
     assert "--axis: is no option of --test base-forces" in refused(*asked("base-forces", "--axis", "x", *out))
     assert "must be one of x, y, z" in refused(*asked("base", "--axis", "beta", *out))
     assert "no force channel is called" in refused(*asked("base", "--effect", "force-gain:fmd-z1=0.1", *out))

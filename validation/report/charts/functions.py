@@ -11,6 +11,7 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
 from identification.campaign import POUND_FORCE, STANDARD_GRAVITY
 from validation.compare.correlation import GREEN, ModalCorrelation, ModePair, NamedMode
+from validation.output import two_digits
 from validation.report.charts import spec
 from validation.report.charts.figure import Figure, Values
 from validation.report.charts.interactive import WIDE, decades, dressed, escaped, magnitude_range, modes, phase
@@ -297,8 +298,9 @@ class ShownPair:
         """What is to be said of it."""
         one, number, value = self.of.pairs[self.at[0]], self.of.modes[self.at[1]], self.of.mac[self.at]
         alike = f"MAC {value:.2f}, {'alike' if value >= GREEN else 'not alike'}"
+        signed = f"{'-' if one.percent < 0 else '+'}{two_digits(abs(one.percent))}"
         if one.model == number:
-            return f"{_named(one)}, model {one.model_hz:.4g} Hz ({one.percent:+.2g} %): {alike}"
+            return f"{_named(one)}, model {one.model_hz:.4g} Hz ({signed} %): {alike}"
         return f"{_named(one)}, and mode {number} of the model, no pair: {alike}"
 
     @property

@@ -11,6 +11,7 @@ import numpy as np
 from geometry.frames import Array
 from identification.quality import sizes
 from validation.history.history import Body, HistoryPosition, Version
+from validation.output import significant
 from validation.reference.statement import COG, QUANTITIES, inertia_of
 from validation.report.charts import interactive, static
 from validation.report.charts.figure import Figure
@@ -164,7 +165,7 @@ def _of_one(axes: Axes, rungs: Sequence[DrawnRung], name: str, colour: str, show
         if one.here:
             below = name in BELOW or any(0 <= other - height < 2 * LINE for other in others)
             place: dict[str, Any] = {"align": "right", "apart": -LINE} if below else {"align": "left", "apart": LINE}
-            yield _Label(text=f"{value:.3g}", value=value, height=height, colour=colour, **place)
+            yield _Label(text=significant(value, 3), value=value, height=height, colour=colour, **place)
             continue
         upon = any(abs(height - way) < LINE / 1.5 for way in on_way)
         if name in NAMED or (name in FITTED and not upon):
@@ -342,7 +343,7 @@ def _line(
         "x": [one.depth for one, _ in seen],
         "y": [value for _, value in seen],
         "customdata": [one.number for one, _ in seen],
-        "text": [f"{value:.3g}" for _, value in seen],
+        "text": [significant(value, 3) for _, value in seen],
         "hovertext": [escaped(f"rung {one.number}, {one.title}: {value:.4g}") for one, value in seen],
         "hovertemplate": f"{name}<br>%{{hovertext}}<extra></extra>",
         "mode": "markers" if aside else "lines+markers+text",

@@ -517,7 +517,7 @@ WORDS = {
 
 EVIDENCE_MEANS = "evidence over that of the best node"
 
-NOTE = "Each node as if it alone were looked at. Grey: explains nothing."
+NOTE = "Each node alone, to first order (the table's sizes are finite). Grey: nothing."
 
 THIN, SMALL = 0.004, 0.009
 """[share] of the structure's size: of the stick that stands for a beam, and of the mark of a node without elements."""
