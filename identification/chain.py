@@ -13,6 +13,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -22,7 +23,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array, frozen, left_jacobian, rotation_by
 from geometry.sensors import Channel, ChannelTable, Summation, Tolerances, summation
 from identification.base_motion import STANDARD_GRAVITY, TILT
-from identification.load_cells import ASSUMED, COMPLIANCE, ELEMENT, STATED, Offsets, Springs, cell_springs
+from identification.load_cells import ASSUMED, COMPLIANCE, ELEMENT, LOSS, STATED, Offsets, Springs, cell_springs
 from identification.parameter import Parameter, opened
 
 # What happens to a signal on its way from the sensor to the record: gain, delay of channel and board, high-pass.
@@ -464,7 +465,7 @@ class Sight:
     factors : (n, c)
     square : (n,) omega² [rad²/s²]
     sensor, structure : (c,) g times the tilt that each senses, and g times that which the structure feels [m/s²]
-    compliance : (6, 6) K^-1 of a table, zeros for a cover plate
+    compliance : (6, 6) K^-1 of a table, complex where the cells lose, zeros for a cover plate
     bending : [m/N] of a cover plate
     bends : whether each channel sees three accelerations of its own, behind the loads
     """
@@ -473,7 +474,7 @@ class Sight:
     square: Array
     sensor: Array
     structure: float
-    compliance: Array
+    compliance: npt.NDArray[Any]
     bending: float
     bends: bool = False
 
@@ -721,6 +722,7 @@ def _candidates(
         above=-1.0,
     )
     common = Parameter(name=COMPLIANCE, unit="1", tolerance=softness, channels=below, nominal=1.0, logarithmic=True)
+    lost = Parameter(name=LOSS, unit="1", tolerance=0.0, channels=below, low=0.0)
     gravity = Parameter(
         name=STRUCTURE, unit="1", tolerance=0.0, channels=(*cover.columns, *table.columns, *article.columns), nominal=1.0
     )
@@ -730,7 +732,7 @@ def _candidates(
         *table.parameters(known),
         *(article.parameters(known) if article.channels else ()),
         *(replace(cell, name=f"{ELEMENT}:{name}") for name in (springs.names if springs.of_cells else ())),
-        *(replace(common, name=f"{COMPLIANCE}:{name}") for name in springs.shares if below),
+        *(replace(one, name=f"{one.name}:{name}") for one in (common, lost) for name in springs.shares if below),
         *(replace(gravity, name=name) for name in (STRUCTURE, SENSOR) if gravity.channels),
     ]
     return tuple(sorted(found, key=lambda one: _FAMILIES.index(one.family)))
@@ -738,9 +740,8 @@ def _candidates(
 
 _FAMILIES = (
     *("force-gain", "accelerometer-gain", "force-delay", "accelerometer-delay", "board-delay", "force-highpass"),
-    "accelerometer-highpass",
-    *("accelerometer-position", "accelerometer-misalignment", ELEMENT, COMPLIANCE, "force-crosstalk", INSIDE, "load-path-shunt"),
-    *("force-plane-offset", "cover-plate-flexibility", STRUCTURE, SENSOR),
+    *("accelerometer-highpass", "accelerometer-position", "accelerometer-misalignment", ELEMENT, COMPLIANCE, LOSS),
+    *("force-crosstalk", INSIDE, "load-path-shunt", "force-plane-offset", "cover-plate-flexibility", STRUCTURE, SENSOR),
 )
 
 

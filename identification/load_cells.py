@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import log
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -24,10 +25,12 @@ Offsets = Mapping[str, float]
 #
 #     K_c B K^-1 F.
 #
-# Only the relative stiffness matters for that; the absolute one, known less well, tells table from cover plate: K^-1.
+# Only the relative stiffness matters for that; the absolute one, known less well, tells table from cover plate: K^-1, with
+# k (1 + i eta) where the cells lose: near the frequency at which what they carry swings on them.
 
 ELEMENT = "cell-stiffness"
 COMPLIANCE = "fmd-compliance"
+LOSS = "cell-loss"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -39,7 +42,7 @@ class Springs:
     names : (e,) of the elements, ``1x`` and so on; they are the targets of `cell-stiffness`
     rows : (e, 6) B, translations [1], rotations [m], about the reference point
     stiffness : (e,) nominal [N/m], or [N m] where a row is a rotation
-    shares : by target of `fmd-compliance` (e,), which share of an element's compliance it scales, 0 to 1
+    shares : by target of `fmd-compliance` and `cell-loss` (e,), which share of an element they act on, 0 to 1
     rigid : whether the cover plate does not move on the cells
     of_cells : whether the rows are those of sensing elements; otherwise they stand for cells of which nothing is known
     """
@@ -65,12 +68,14 @@ class Springs:
         """(e,) stiffness of the elements, each with its own deviation."""
         return np.asarray(self.stiffness * np.exp([x.get(f"{ELEMENT}:{name}", 0.0) for name in self.names]))
 
-    def absolute(self, x: Offsets) -> Array:
-        """(e,) the same, softened by the common factors on the compliance."""
-        softer = sum(
-            (share * x.get(f"{COMPLIANCE}:{name}", 0.0) for name, share in self.shares.items()), np.zeros(len(self.names))
+    def absolute(self, x: Offsets) -> npt.NDArray[Any]:
+        """(e,) the same, softened by the common factors on the compliance, complex where it loses."""
+        softer, eta = (
+            sum((share * x.get(f"{family}:{name}", 0.0) for name, share in self.shares.items()), np.zeros(len(self.names)))
+            for family in (COMPLIANCE, LOSS)
         )
-        return np.asarray(self.relative(x) * np.exp(-softer))
+        k = self.relative(x) * np.exp(-softer)
+        return k * (1 + 1j * eta) if eta.any() else np.asarray(k)
 
     def sharing(self, x: Offsets) -> Array:
         """(e, 6) load of every element for a unit load about the reference point."""
@@ -85,11 +90,11 @@ class Springs:
             if (key := f"{ELEMENT}:{name}") in x:
                 yield key, np.outer(loss[:, e], R[e])
 
-    def compliance(self, x: Offsets) -> Array:
+    def compliance(self, x: Offsets) -> npt.NDArray[Any]:
         """(6, 6) K^-1: motion of the cover plate below the table's for a unit load."""
         return np.zeros((6, 6)) if self.rigid else np.asarray(np.linalg.inv(self._total(self.absolute(x))))
 
-    def compliance_changes(self, x: Offsets) -> Iterator[tuple[str, Array]]:
+    def compliance_changes(self, x: Offsets) -> Iterator[tuple[str, npt.NDArray[Any]]]:
         """d `compliance` / d offset (6, 6) by open parameter."""
         if self.rigid:
             return
@@ -100,8 +105,10 @@ class Springs:
         for name, share in self.shares.items():
             if (key := f"{COMPLIANCE}:{name}") in x:
                 yield key, np.asarray(C @ self._total(share * k) @ C)
+            if (key := f"{LOSS}:{name}") in x:
+                yield key, np.asarray(C @ self._total(-1j * share * k.real) @ C)
 
-    def _total(self, k: Array) -> Array:
+    def _total(self, k: npt.NDArray[Any]) -> npt.NDArray[Any]:
         return np.asarray(self.rows.T @ (k[:, None] * self.rows))
 
 
@@ -117,6 +124,9 @@ ASSUMED = log(5.0)
 
 STATED = 0.3
 """The same where the laboratory states a stiffness: that of a data sheet, without bolts, plates and contact."""
+
+LOSES = 0.01
+"""Standard deviation of the loss factor of cells with their bolts. Held by tests/validation/virtual_test/test_structures.py."""
 
 ALIGNED = 1e-6
 """How far from 1 the cosine of an element to its axis may lie to be called after it alone."""

@@ -28,6 +28,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from fem.beam import articles
+from fem.beam.frame import assemble
 from geometry.articles import parts
 from geometry.articles.parts import Dimensions, to_si
 from geometry.atomic import write_text
@@ -200,7 +201,7 @@ def misfit(posed: Reconstruction, change: Array) -> tuple[Array, Array]:
     each = zip(CONFIGURATIONS, posed.inertias, BARS, posed.frequencies, FREQUENCY_LIMITS, strict=True)
     for blades, target, bar, modes, limits in each:
         inertias.append((summary(blades, dimensions) - target) / bar)
-        found = articles.frequencies(articles.clumod_frame(blades, dimensions), len(modes))
+        found = articles.frequencies(assemble(articles.clumod_plan(blades, dimensions)), len(modes))
         wishes.append(FREQUENCY_SOLVED * (found / modes - 1) / limits)
     return np.concatenate(wishes), np.concatenate(inertias)
 
@@ -268,7 +269,7 @@ def report(posed: Reconstruction, change: Array) -> str:
     dimensions = to_si(changed(posed, change))
     lines = [f"{'.'.join(map(str, keys[0])):28s} {100 * ratio:+8.3f} %" for keys, ratio in zip(posed.free, change, strict=True)]
     for blades, target, modes in zip(CONFIGURATIONS, posed.inertias, posed.frequencies, strict=True):
-        found = articles.frequencies(articles.clumod_frame(blades, dimensions), len(modes))
+        found = articles.frequencies(assemble(articles.clumod_plan(blades, dimensions)), len(modes))
         lines.append(f"{len(blades)} blade(s): inertia off by {summary(blades, dimensions) - target}")
         lines.append(f"  frequencies {np.round(found, 3)} Hz, off by {np.round(100 * (found / modes - 1), 3)} %")
     return "\n".join(lines)

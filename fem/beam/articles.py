@@ -385,13 +385,6 @@ def load_cells(changes: Mapping[str, float] = NO_CHANGES) -> Array:
     return np.tile([cell["lateral_stiffness_N_m"], cell["lateral_stiffness_N_m"], cell["axial_stiffness_N_m"]], (4, 1))
 
 
-def clumod_frame(
-    blades: tuple[str, ...], dimensions: Dimensions, *, joints: Sequence[Joint] = (), elements: int = ELEMENTS
-) -> Frame:
-    """Frame of Clumod with the `blades` named, from `dimensions` as `clumod.toml` has them; its base is the flange."""
-    return assemble(clumod_plan(blades, dimensions, joints=joints, elements=elements))
-
-
 def frequencies(frame: Frame, count: int) -> Array:
     """The lowest `count` eigenfrequencies (count,) [Hz] with the base held, ascending."""
     from scipy.linalg import eigh
@@ -511,7 +504,7 @@ class ClumodPiece:
 
 
 def joints(blades: Sequence[str], d: Dimensions, *, size: float = 0.02) -> tuple[Joint, ...]:
-    """The joints of Clumod with the `blades` named, for `clumod_frame`; `size` [m]: cells of the local solids.
+    """The joints of Clumod with the `blades` named, for `clumod_plan`; `size` [m]: cells of the local solids.
 
     Raises
     ------

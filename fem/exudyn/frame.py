@@ -190,7 +190,9 @@ class _FrameBuilder:
                 self._join(number, bottom)
                 self._join(number, top)
             else:
-                axes = self._along(member, number)
+                neighbours = [n for pair in pairwise(member.nodes) if number in pair for n in pair]
+                axis = self.plan.nodes[neighbours[-1]] - self.plan.nodes[neighbours[0]]
+                axes = _axes(axis / np.linalg.norm(axis), member.z_axis)
                 springs, dampers = (_turned(_layer(each, sandwich, share), axes) for each in (sandwich, losses))
                 self._between(self.plan.nodes[number], bottom, top, springs, dampers)
 
@@ -212,12 +214,6 @@ class _FrameBuilder:
         markers = [self._marker(self._body(node, massless), middle - self.points[node]) for node in (a, b)]
         item = self.items.ObjectConnectorRigidBodySpringDamper(markerNumbers=markers, stiffness=stiffness, damping=damping)
         self.system.AddObject(item)
-
-    def _along(self, member: Member, number: int) -> Array:
-        """The section's axes of `member` at one of its nodes."""
-        neighbours = [n for pair in pairwise(member.nodes) if number in pair for n in pair]
-        axis = self.plan.nodes[neighbours[-1]] - self.plan.nodes[neighbours[0]]
-        return _axes(axis / np.linalg.norm(axis), member.z_axis)
 
 
 def _layer(layer: Sandwich | None, sandwich: Sandwich, length: float) -> Array:

@@ -75,7 +75,10 @@ class _RopeBuilder:
         """
         ceiling = self.system.AddObject(self.items.ObjectGround())
         body = self._body(pose, velocity[:6])
-        joints = self._joints(pose, velocity[6:].reshape(pose.joints.shape))
+        joints = [
+            [self._point(place, speed) for place, speed in zip(places, speeds, strict=True)]
+            for places, speeds in zip(pose.joints, velocity[6:].reshape(pose.joints.shape), strict=True)
+        ]
         lowest = [self._rope(i, ceiling, joints[i], body, stretching) for i in range(self.work.ropes)]
         if torsional:
             ends = [self._marker("MarkerBodyRigid", bodyNumber=one) for one in (ceiling, body)]
@@ -108,13 +111,6 @@ class _RopeBuilder:
         body = self.system.AddObject(item)
         self._weighs(self._marker("MarkerBodyMass", bodyNumber=body))
         return body
-
-    def _joints(self, pose: Pose, velocity: Array) -> list[list[Number]]:
-        """Nodes of the mass points of every rope, from the ceiling down."""
-        return [
-            [self._point(place, speed) for place, speed in zip(places, speeds, strict=True)]
-            for places, speeds in zip(pose.joints, velocity, strict=True)
-        ]
 
     def _point(self, place: Array, speed: Array) -> Number:
         node = self.system.AddNode(self.items.NodePoint(referenceCoordinates=place.tolist(), initialVelocities=speed.tolist()))

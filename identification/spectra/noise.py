@@ -12,6 +12,7 @@ A tone is not stationary noise: a full record cut between two mains periods leak
 amplitude at 32 Hz - below the noise of 100 s unless the tone is some hundred times larger than the noise's density.
 """
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import comb
 
@@ -201,10 +202,11 @@ def of_redundancy(spectra: Spectra, gravity: float) -> Array:
     if len(spectra.frequency) < FEWEST:
         return noise
     even = replace(spectra, noise=np.ones(spectra.values.shape))
-    try:
+    motion = load = None
+    with suppress(BadInput):  # channels that do not tell six of each: whoever needs them says which
         motion = base_motion(even, gravity=gravity)
         load = resultants(even) if spectra.table.select(group="fmd") else None
-    except BadInput:  # channels that do not tell six of each: whoever needs them says which
+    if motion is None:
         return noise
     # (r, n) the motion of every run that is largest by its nominal level
     largest = np.argmax(np.mean(np.abs(motion.values / NOMINAL), axis=1), axis=1)

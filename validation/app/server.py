@@ -115,7 +115,9 @@ class ListeningAddress:
         host = host.strip("[]")
         if host.lower() in ("127.0.0.1", "::1", "localhost", self.host.lower()):
             return True
-        return not is_loopback(self.host) and _is_address(host)
+        with suppress(ValueError):  # a numeric address: those no name server can bend
+            return not is_loopback(self.host) and bool(ip_address(host))
+        return False
 
 
 def refused(
@@ -144,15 +146,6 @@ NO_SESSION = Refusal(
     text="this page opens with the address that the terminal shows, once, and in one browser. "
     "If that address has been used, start `massline app` again.",
 )
-
-
-def _is_address(host: str) -> bool:
-    """Whether `host` is a numeric address: those no name server can bend."""
-    try:
-        ip_address(host)
-    except ValueError:
-        return False
-    return True
 
 
 # Passing requests and websockets on to a window's own server, and its answers back.

@@ -79,7 +79,7 @@ def doubt(problem: Problem, plain: Fit) -> Doubt:
     loose = {one.name: one.tolerance for one in others}
     free = at_bounds(cost_of(problem, plain.parameters, PLAIN_FLOOR, plain=True), plain.by_name).free
     held = {name: x for name, x in plain.by_name.items() if name not in {one.name for one in free}}
-    cost = cost_of(problem, (*free, *others), PLAIN_FLOOR, held)
+    cost = cost_of(problem, (*free, *others), PLAIN_FLOOR, held, plain=True)
     N = cost.total(cost.at(plain.by_name))[0].matrix
     p = len(free)
     own = inverse(N[:p, :p]) if p else np.zeros((0, 0))
@@ -259,7 +259,7 @@ def chunks(prediction: Prediction, offsets: Offsets, unknown: Doubt) -> Iterator
             rows=rows,
             inputs=u,
             noise=np.sqrt(2) / seen.weight(FLOOR, found.noise),  # of which the weight is that of a real or an imaginary part
-            weight=seen.weight(evaluate.FLOOR, found.noise),
+            weight=observed(measured, lines, plain=True).weight(evaluate.FLOOR, found.noise),
             spread=ReadingSpread.of(unknown, found, u),
         )
 
@@ -722,10 +722,11 @@ def _of_lines(measured: Measured, part: Chunk, R: Array | None) -> dict[str, Arr
         squares.append([np.sum((L @ C[run] * L.conj()).real, axis=(1, 2)) for C in (of_tolerances, of_modes)])
     level = np.maximum(np.sum(np.abs(seen.values[..., judged]) ** 2, axis=-1), np.finfo(np.float64).tiny)
     by_tolerances, by_modes = np.maximum(np.stack(squares, axis=1), 0.0)
+    recorded = np.any(measured.values, axis=(0, 1))  # what nobody measured is no data
     return {
         "inputs": part.inputs,
         "deviation": np.concatenate([own.value, loads.value], axis=-1),
-        "expected": np.concatenate([own.expected, loads.expected], axis=-1),
+        "expected": np.concatenate([np.where(recorded, own.expected, np.inf), loads.expected], axis=-1),
         "reading": np.concatenate([y - own.value, predicted], axis=-1),
         "misfit": chi2 / (A.shape[-2] - (A.shape[-1] if known is None else 0)),
         "explained": np.sqrt(by_tolerances / level),

@@ -24,7 +24,7 @@ from validation.effects.effect import AMPLITUDE, BODY_STAGE, INDISTINGUISHABLE_N
 from validation.effects.stages import ChannelResponse, MountedDynamicMass
 from validation.model.model import vocabulary
 from validation.prediction import dynamic_mass, effects
-from validation.prediction.series import SeriesPrediction, laboratory
+from validation.prediction.series import SeriesPrediction
 from validation.study import Study
 
 # `RunsByLevel`: the runs of one campaign by how strongly they were driven, and what the weaker ones hold beyond the stronger
@@ -450,7 +450,7 @@ class DistortedRuns:
     def _felt(self) -> ComplexArray:
         """(n, c, 6) what the channels read of loads about F that the cells carry."""
         one, frequency = self.one, self.of.frequency
-        chain = laboratory(one.tested.model, one.tested.campaign, one.effects)
+        chain = one.tested.opened(one.effects)[0]
         start = {parameter.name: parameter.start for parameter in one.parameters}
         rows = chain.rows(np.array([start.get(parameter.name, 0.0) for parameter in chain.parameters]), frequency)[1][:, :, :6]
         linear = [effect for effect in one.effects if FAMILIES[effect.named.family].side != AMPLITUDE]

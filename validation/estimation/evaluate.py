@@ -72,7 +72,7 @@ def squares(
         predicted = predicted or prediction.at(offsets, chosen, derivatives=False)
     except BREAKDOWNS as error:
         raise CheckFailed(f"the model of {measured.name} breaks down: {error}") from error
-    seen, judged = observed(measured, chosen), measured.judged
+    seen, judged = observed(measured, chosen, plain=True), measured.judged
     weight, found = seen.weight(FLOOR, predicted.noise), []
     noise = np.square(seen.noise if predicted.noise is None else predicted.noise)
     for k, run in enumerate(measured.runs):

@@ -85,6 +85,7 @@ class ObservedLines:
     noise : (r, m, c) standard deviation of the noise
     floor : (r, m, c) standard deviation that a model-error floor of 1 gives
     inputs : (r, m, k) where they are known
+    turned : (r, m, c) standard deviation that its model-error floor gives at least
     parts : numbers that a value is made of: 2, or 1 of real ones
     """
 
@@ -93,22 +94,30 @@ class ObservedLines:
     noise: Array
     floor: Array
     inputs: ComplexArray | None
+    turned: Array | float = 0.0
     parts: int = 2
 
     def weight(self, floor: float, noise: Array | None = None) -> Array:
         """(r, m, c) one over the standard deviation of each part of a value; `noise` in place of the data's own."""
-        variance = np.square(self.noise if noise is None else noise) + np.square(floor * self.floor)
+        variance = np.square(self.noise if noise is None else noise) + np.square(np.maximum(floor * self.floor, self.turned))
         return np.asarray(np.sqrt(self.parts / np.maximum(variance, np.finfo(np.float64).tiny)))
 
 
-def observed(measured: Measured, lines: Lines) -> ObservedLines:
-    """`measured` at `lines` (indices)."""
+TURNED = 0.01
+"""[rad] by which a delay within its tolerance turns what a channel reads, from which that is its model-error floor in a `plain`
+fit, which fits no delays. Held by tests/validation/virtual_test/test_structures.py."""
+
+
+def observed(measured: Measured, lines: Lines, *, plain: bool = False) -> ObservedLines:
+    """`measured` at `lines` (indices), as a `plain` fit sees it or one of all tolerances."""
+    turned = 2 * np.pi * measured.frequency[lines, None] * (measured.late if plain else 0.0)
     return ObservedLines(
         runs=measured.runs,
         values=measured.values[:, lines],
         noise=measured.noise[:, lines],
         floor=floor_of(measured)[:, lines],
         inputs=None if measured.inputs is None else measured.inputs[:, lines],
+        turned=np.where(turned > TURNED, turned, 0.0) * level_of(measured)[:, lines],
         parts=1 if measured.is_real else 2,
     )
 
@@ -229,7 +238,9 @@ class Cost:
     def __post_init__(self) -> None:
         if not self.observed:
             chosen = ((one, self.problem.lines_of(one)) for one in self.problem.predictions)
-            object.__setattr__(self, "observed", tuple((one, lines, observed(one.measured, lines)) for one, lines in chosen))
+            object.__setattr__(
+                self, "observed", tuple((one, lines, observed(one.measured, lines, plain=self.plain)) for one, lines in chosen)
+            )
 
     @cached_property
     def names(self) -> tuple[str, ...]:

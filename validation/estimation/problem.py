@@ -67,6 +67,7 @@ class Measured:
     discrepancy : share of the variance of the model-error floor that a test without any fault uses; 0 where the floor is a bound
         that none does
     read : (r, n, c) the part of `noise` that a sound model would read, where `noise` allows it to be off by more; None for all
+    late : (c,) [s] standard deviation of the delay of each channel, which no plain fit moves
     pilots : names of the channels that tell the motion along the one axis that is driven: pick-ups across it hear it by their
         slant, and their model-error floor is a share of it, too; empty where all axes are measured
     is_real : whether values are real numbers, such as frequencies, and `noise` is their standard deviation: the imaginary parts
@@ -88,6 +89,7 @@ class Measured:
     inputs: ComplexArray | None = None
     discrepancy: float = 0.0
     read: Array | None = None
+    late: Array = field(default_factory=lambda: np.zeros(1))
     pilots: tuple[str, ...] = ()
     is_real: bool = False
 

@@ -306,7 +306,20 @@ def of_table(table: dict[str, Any], source: str) -> Model:
     toml_file.require_format(table, source)
     whole = Fields(source=source, place="", table=table).only(TABLES)
     about, structure = whole.inner("model").only(MODEL), whole.inner("structure").only(STRUCTURE)
-    own = _own(structure.inner("own"))
+    where, own = structure.inner("own"), dict[str, str]()  # by article, paths seen from the folder of the model file
+    from fem.user_model.reading import is_model
+    from geometry.user_article import require_file
+
+    for article in where.table:
+        name = where.text(article)
+        if not name:
+            raise where.refused(article, "a path is missing", 'Write "my-model.h5", from the folder of this file')
+        path = os.path.normpath(Path(where.source).parent / name)
+        if not Path(path).exists():
+            raise where.refused(article, f"there is no file {path}", "Check the path; it is seen from the folder of this file")
+        if not is_model(path):
+            _checked(where, article, partial(require_file, path))
+        own[article] = path
     if STRUCTURE_FILE[0] in table:
         own |= {about.text("article"): source}
     kind = structure.choice("kind", KINDS) if "kind" in structure.table else BEAM
@@ -429,25 +442,6 @@ def _checked(table: Fields, key: str, attempt: Callable[[], object]) -> None:
         attempt()
     except BadInput as error:
         raise table.refused(key, error.problem, error.remedy) from None
-
-
-def _own(table: Fields) -> dict[str, str]:
-    """By article, the path of the file with its model, relative paths from the folder of the model file."""
-    found = {}
-    for article in table.table:
-        name = table.text(article)
-        if not name:
-            raise table.refused(article, "a path is missing", 'Write "my-model.h5", from the folder of this file')
-        path = os.path.normpath(Path(table.source).parent / name)
-        from fem.user_model.reading import is_model
-        from geometry.user_article import require_file
-
-        if not Path(path).exists():
-            raise table.refused(article, f"there is no file {path}", "Check the path; it is seen from the folder of this file")
-        if not is_model(path):
-            _checked(table, article, partial(require_file, path))
-        found[article] = path
-    return found
 
 
 # A study to start from: a structure of the user's own beside its tests, in a few lines.

@@ -22,7 +22,7 @@ from geometry import routes
 from geometry.article import Article
 from geometry.articles import NAMES, built_in, changes_of, locations
 from geometry.errors import BadInput
-from geometry.frames import Array, Pose, rigid_transformation
+from geometry.frames import Array, Pose, rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia
 from identification.campaign import Campaign
 from validation.effects.catalogue import There, there
@@ -170,6 +170,12 @@ class MountedArticle:
     def modes(self) -> int:
         """How many of its coordinates are modes."""
         return len(self.frequency)
+
+    @property
+    def rigid(self) -> Array:
+        """(6, 6) mass about F, as drawn."""
+        T = np.kron(np.eye(2), self.pose.rotation.T) @ rigid_transformation_6(self.pose.position)
+        return np.zeros((6, 6)) if self.matrices is None else np.asarray(T.T @ self.matrices.mass[:6, :6] @ T)
 
     @property
     def there(self) -> There:

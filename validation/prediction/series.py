@@ -10,7 +10,7 @@ Campaigns of one hardware share the parameters of chain and FMD by name; those o
 as well, and to the modes of a configuration. A structural effect acts wherever its part or its place exists.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import inf
@@ -25,6 +25,7 @@ from geometry.frames import Array, Integers
 from geometry.sensors import Channel, Place
 from identification.campaign import Campaign, Processing
 from identification.chain import Chain, chain
+from identification.load_cells import LOSES, LOSS
 from identification.self_calibration.solve import smoothed_level
 from identification.spectra.line_spectra import Spectra, hann
 from identification.spectra.noise import of_block, of_full_record
@@ -33,6 +34,7 @@ from validation.effects.catalogue import FAMILIES, There, acts
 from validation.effects.effect import AMPLITUDE, BODY_STAGE, CHANNEL_STAGE, NOISE_STAGE, OPENED, PROCESSING, STRUCTURE_STAGE
 from validation.effects.stages import ChannelResponse, NoiseModel, leak
 from validation.estimation import problem
+from validation.estimation.fit import FLOOR
 from validation.model.model import Added, Model
 from validation.model.setups import on_fmd
 from validation.model.tolerance_classes import METROLOGY
@@ -46,9 +48,9 @@ from validation.prediction.mounting import MountedArticle, accelerometers, mount
 HELD = 1.0
 """Standard deviation by which the chain opens what an effect needs; `validation.prediction.effects.opened` says which it has."""
 
-KINDS = {"fmd-compliance": problem.IDENTIFIED, "cell-stiffness": problem.DECLARED}
+KINDS = {"fmd-compliance": problem.IDENTIFIED, "cell-stiffness": problem.DECLARED, LOSS: problem.DECLARED}
 """What is of the FMD and not of a sensor, like its inertia: every laboratory that calibrates an FMD learns how its cells share a
-load and how far they give; the former within what is declared of the cells."""
+load and how far they give; the former, and what they lose, within what is declared of the cells."""
 
 
 def laboratory(model: Model, campaign: Campaign, effects: Sequence[Added]) -> Chain:
@@ -58,23 +60,20 @@ def laboratory(model: Model, campaign: Campaign, effects: Sequence[Added]) -> Ch
     ------
     BadInput : as `identification.chain.chain`.
     """
-    drawn = _chain(model, campaign, {})
-    families = {name.partition(":")[0] for name in drawn.possible}
-    overrides = {family: size for family, size in model.opened.items() if family in families}
-    needed = [one.named.id for one in effects if FAMILIES[one.named.family].stage == OPENED]
-    overrides |= {name: HELD for name in needed if name in drawn.possible}
-    return _chain(model, campaign, overrides) if overrides else drawn
-
-
-def _chain(model: Model, campaign: Campaign, overrides: Mapping[str, float]) -> Chain:
-    return chain(
+    made = partial(
+        chain,
         campaign.table,
         model.tolerances,
         stiffness=model.cell_stiffness if on_fmd(campaign) else inf,
         gravity=campaign.gravity,
-        overrides=overrides,
         on_article=tuple(accelerometers(model, campaign)[0]),
     )
+    drawn = made()
+    families = {name.partition(":")[0] for name in drawn.possible}
+    overrides = {family: size for family, size in model.opened.items() if family in families}
+    needed = [one.named.id for one in effects if FAMILIES[one.named.family].stage == OPENED]
+    overrides |= {name: HELD for name in needed if name in drawn.possible}
+    return made(overrides=overrides) if overrides else drawn
 
 
 # From a campaign to `Measured`: the complex lines of the channels that the chain predicts; forces are judged.
@@ -151,6 +150,7 @@ def per_rms(campaign: Campaign, method: str) -> Array:
 
 def _measured(campaign: Campaign, found: Spectra, of: Chain, name: str) -> problem.Measured:
     columns = list(of.columns)
+    sd = {one.name.partition(":")[2]: one.tolerance for one in of.parameters if one.unit == "s"}
     made = problem.Measured(
         name=name,
         configuration=campaign.article,
@@ -164,6 +164,7 @@ def _measured(campaign: Campaign, found: Spectra, of: Chain, name: str) -> probl
         noise=found.noise[:, :, columns],
         noise_scatter=found.noise_scatter,
         noise_spread=found.noise_spread,
+        late=np.array([sd.get(name, 0.0) * is_read(name) for name in of.names]),
     )
     return _with_their_size(made, campaign)
 
@@ -378,6 +379,13 @@ class TestedCampaign:
         needed = frozenset(one.named.id for one in effects if FAMILIES[one.named.family].stage == OPENED)
         if needed not in self._opened:
             carried, model, of = self.carried, self.model, laboratory(self.model, self.campaign, effects)
+            swings = np.linalg.eigvals(
+                of.springs.compliance({}) @ (carried.moving.mass_matrix + carried.standing.rigid)
+            ).real.max()
+            if (
+                LOSES * float(swings * (2 * np.pi * self.measured.frequency[-1]) ** 2) > FLOOR
+            ):  # near to where all swings on cells
+                of = laboratory(replace(model, opened={LOSS: LOSES, **model.opened}), self.campaign, effects)
             structural = () if carried.nuisances is None else carried.nuisances.parameters
             unread = {k for k, name in enumerate(of.names) if not is_read(name)}
             # What nobody recorded moves a mode by the participation that is computed: were that free as well, the motion of every
@@ -394,7 +402,8 @@ class TestedCampaign:
                     continue  # of no pick-up, nor of a board that has none
                 own.append(replace(one, channels=(), kind=KINDS.get(one.family, problem.SENSOR)))
             # Without load cells nobody reads by what an FMD could be identified: it is what is declared of it
-            declared = {"cell-stiffness"} if of.forces.columns else {*KINDS, dynamic_mass.FMD}
+            known = [family for family, kind in KINDS.items() if kind == problem.DECLARED]
+            declared = {*known} if of.forces.columns else {*KINDS, dynamic_mass.FMD}
             for k, one in enumerate(own):
                 if one.family in declared:
                     own[k] = replace(one, kind=problem.DECLARED, within=problem.WITHIN * one.tolerance)

@@ -26,6 +26,7 @@ FREQUENCY = np.array([4.0, 11.3, 32.0])
 STIFFNESS = (1e8, 1e8, 4e8)
 CLOSED = {
     "board-delay": 1e-5,
+    "cell-loss": 0.02,
     "force-highpass": 0.1,
     "accelerometer-highpass": 0.1,
     "cell-crosstalk": 0.02,
