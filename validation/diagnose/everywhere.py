@@ -422,47 +422,41 @@ class MeshSearch:
         _, found, node = max((*self.sized(kind, one, first), one) for one, first in asked)
         return self.nearby(kind, self.points[node], found)
 
-    def other_hills(self, kind: str, best: tuple[int, float, float]) -> list[tuple[int, float, float]]:
-        """As `hills` beside the `best`, at about its size: less mass where a structure moves more does nearly the same."""
-        node, gain, size = best
-        octave = np.log2(abs(size) / self.plausible(self.at(np.array([node])))[kind][0])
-        octaves = np.tile(octave + NARROW / 2, (len(self.points), 1))
-        found = self.hills(kind, self.points[node], [size], octaves, nearer=NEARER)
-        return [one for one in found if one[1] > _least_of_rivals(gain)]
+    def about(self, kind: str, node: int, size: float) -> Array:
+        """[octave] sizes about that of a `node`, as of `sized`: less mass where a structure moves more does nearly the same."""
+        return np.asarray(np.log2(abs(size) / self.plausible(self.at(np.array([node])))[kind][0]) + NARROW / 2)
 
     def neighbours(self, kind: str, node: int, size: float) -> list[tuple[int, float]]:
         """Nodes beside a `node`, and sizes, that bring most if tolerances follow to first order, the best first. Along sharp
         resonances they do not, and only a fit tells what a neighbour brings."""
-        octave = np.log2(abs(size) / self.plausible(self.at(np.array([node])))[kind][0])
         near = np.argsort(np.linalg.norm(self.points - self.points[node], axis=1), kind="stable")[1:NEIGHBOURS]
-        told = sorted([(*self.sized(kind, one, size, octave + NARROW / 2, nearer=NEARER), one) for one in near.tolist()])
+        octaves = self.about(kind, node, size)
+        told = sorted([(*self.sized(kind, one, size, octaves, nearer=NEARER), one) for one in near.tolist()])
         return [(one, x) for _, x, one in told[: -FEW - 1 : -1]]
 
     def twins(self, kind: str, named: Named) -> tuple[Named, ...]:
         """Effects at other nodes that may explain as much as `named` does. What is too heavy on one side of what is symmetric is
         as much too light on the other."""
-        octaves = np.log2(abs(named.value) / self.plausible(self.at(slice(None)))[kind])[:, None]
-        signs = (named.value, -named.value) if kind == MASS else (named.value,)
-        found = self.hills(kind, np.array(position(named.target)), signs, octaves)
+        sizes = (named.value, -named.value) if kind == MASS else (named.value,)
+        found = self.hills(kind, np.array(position(named.target)), sizes)
         each = [((at_position(self.points[node]), *named.targets[1:]), size) for node, _, size in found]
         return tuple(replace(named, targets=targets, values={"": size}) for targets, size in each)
 
     def hills(
-        self, kind: str, point: Array, signs: Sequence[float], octaves: Array, *, nearer: int = 0
+        self, kind: str, point: Array, sizes: Sequence[float], octaves: Array | None = None
     ) -> list[tuple[int, float, float]]:
         """Nodes at which other hills of the evidence have their tops than that of `point` (3,), its evidence [nats] and size, the
         best first, as far as they may bring as much as it once tolerances follow.
 
-        Parameters
-        ----------
-        signs : whose signs a size may have
-        octaves : (p, k) sizes that are asked at each node, and as `nearer`, as of `sized`
+        Every node is asked for `sizes`, or for `octaves` (k,), as of `sized`, of their signs and for what lies between.
         """
         from scipy.spatial import cKDTree
 
         own = int(np.argmin(np.linalg.norm(self.points - point, axis=1)))
         some = np.unique([own, *np.linspace(0, len(self.points) - 1, ASKED).astype(np.int64)])
-        each = [max(self.sized(kind, one, sign, octaves[one], nearer=nearer) for sign in signs) for one in some.tolist()]
+        asked = np.log2(abs(sizes[0]) / self.plausible(self.at(some))[kind])[:, None]
+        asked, nearer = (asked, 0) if octaves is None else (np.tile(octaves, (len(some), 1)), NEARER)
+        each = [max(self.sized(kind, n, x, k, nearer=nearer) for x in sizes) for n, k in zip(some.tolist(), asked, strict=True)]
         gains, top = np.array([gain for gain, _ in each]), int(np.searchsorted(some, own))
         around = cKDTree(self.points[some]).query(self.points[some], k=min(NEIGHBOURS, len(some)))[1]
         uphill = around[np.arange(len(some)), np.argmax(gains[around], axis=1)]
@@ -531,16 +525,17 @@ def found_nodes(
         done = partial(lambda before, share: progress((before + share / 2) / len(wholes)), k)
         scores = search.scores(done)
         every.append(scores)
+        told = [(kind, evidence) for kind, evidence in scores.evidence.items() if evidence.max() >= PROMISING]
         tops = dict[str, list[tuple[int, float, float]]]()
-        for asked, (kind, evidence) in enumerate(scores.evidence.items()):
-            done(1 + asked / len(scores.evidence))
-            if evidence.max() >= PROMISING:
-                tops[kind] = [search.best_node(scores, kind, far=far)]
-        least = _least_of_rivals(max((top[0][1] for top in tops.values()), default=np.inf))
+        for asked, (kind, _) in enumerate(told):
+            done(1 + asked / len(told))
+            tops[kind] = [search.best_node(scores, kind, far=far)]
+        least = _least_of_rivals(max((top[0][1] for kind, top in tops.items() if kind != RESONATOR), default=np.inf))
         for kind, top in tops.items():
-            if far and kind != RESONATOR and top[0][1] > least:
-                top += search.other_hills(kind, top[0])
-            (name, of_name), evidence = search.best_name(kind), scores.evidence[kind]
+            (node, gain, size), evidence = top[0], scores.evidence[kind]
+            if far and kind != RESONATOR and gain > least:
+                top += search.hills(kind, search.points[node], [size], search.about(kind, node, size))
+            name, of_name = search.best_name(kind)
             looked, first = float(evidence.max()) - scores.somewhere(kind), int(np.argmax(evidence))
             for node, gain, size in top:
                 point = scores.points[node]
@@ -720,11 +715,9 @@ def with_twins(data: Study, at: Candidate, steps: Sequence[SearchStep]) -> tuple
 
 
 def _first_of_kinds(nodes: Sequence[FoundNode]) -> list[FoundNode]:
-    """Of `nodes`, the best first, those of the first few kinds, and of other hills such as may come up to the best."""
-    kinds = list(dict.fromkeys(one.kind for one in nodes if one.kind != RESONATOR))[:FEW]
-    first = {one.kind: one for one in reversed(nodes)}
-    least = _least_of_rivals(max((one.evidence for one in nodes), default=0.0))
-    return [one for one in nodes if one.kind in kinds and (one is first[one.kind] or one.evidence > least)]
+    """Of `nodes`, the best first, those of the first few kinds, each with its other hills."""
+    kinds = list(dict.fromkeys((one.article, one.kind) for one in nodes if one.kind != RESONATOR))[:FEW]
+    return [one for one in nodes if (one.article, one.kind) in kinds]
 
 
 def _is_worth(node: FoundNode) -> bool:

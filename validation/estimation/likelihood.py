@@ -104,8 +104,8 @@ class ObservedLines:
 
 
 TURNED = 0.01
-"""[rad] by which a delay within its tolerance turns what a channel reads, from which that is its model-error floor in a `plain`
-fit, which fits no delays. Held by tests/validation/virtual_test/test_structures.py."""
+"""[share] of what a channel reads that a delay within its tolerance changes by turning it, from which that is its model-error
+floor in a `plain` fit, which fits no delays. Held by tests/validation/virtual_test/test_structures.py."""
 
 
 def observed(measured: Measured, lines: Lines, *, plain: bool = False) -> ObservedLines:

@@ -138,7 +138,7 @@ HEADLINES = {
 """By verdict."""
 
 
-MEASURE = "measure this, and expect that much evidence of it"
+MEASURE = "measure this"
 
 
 def title(model: str, data: Sequence[str]) -> str:
@@ -203,7 +203,7 @@ def classical_document(found: SwingAnswer, named: str) -> doc.Document:
         rows=list(enumerate(found.advice[:MOST], start=1)),
         columns=(
             doc.Column("next", lambda row: f"{row[0]}"),
-            doc.Column("nats", lambda row: expected(row[1].gain), aligned=False),
+            doc.Column("expected nats", lambda row: expected(row[1].gain), aligned=False),
             doc.Column(MEASURE, lambda row: f"{row[1].test[:1].upper()}{row[1].test[1:]}", words=True),
         ),
     )
@@ -406,10 +406,13 @@ class DiagnosisPage:
                     "expected evidence", lambda row: row[1].gain if row[1].gain > 0 else None, ".3g", unit="nats", on=doc.PAGE
                 ),
                 doc.Column(
-                    "nats", lambda row: two_digits(row[1].gain) if row[1].gain > 0 else NONE, aligned=False, on=doc.TERMINAL
+                    "expected nats",
+                    lambda row: two_digits(row[1].gain) if row[1].gain > 0 else NONE,
+                    aligned=False,
+                    on=doc.TERMINAL,
                 ),
                 doc.Column("work", lambda row: row[1].hours or None, "g", unit="h", on=doc.PAGE),
-                doc.Column("measure this", lambda row: row[1].test, words=True, on=doc.PAGE),
+                doc.Column(MEASURE, lambda row: row[1].test, words=True, on=doc.PAGE),
                 doc.Column("tells apart", lambda row: results.listed(row[1].separates), words=True, on=doc.PAGE),
                 doc.Column(MEASURE, in_words, words=True, on=doc.TERMINAL),
             ),

@@ -515,7 +515,7 @@ def test_from_afar_the_tops_of_other_hills_are_seen_that_may_come_up_to_the_best
     monkeypatch.setattr(MeshSearch, "plausible", lambda self, rows: dict.fromkeys(everywhere.KINDS, np.ones(len(rows))))
     monkeypatch.setattr(MeshSearch, "sized", sized)
     own = int(np.argmin(np.linalg.norm(mesh.points - HIDDEN, axis=1)))
-    ((node, gain, size),) = mesh.other_hills("point-mass", (own, 1000.0, 0.25))
+    ((node, gain, size),) = mesh.hills("point-mass", mesh.points[own], [0.25], mesh.about("point-mass", own, 0.25))
     assert np.linalg.norm(mesh.points[node] - mirror) < 0.03
     assert 850.0 < gain <= 900.0
     assert size == pytest.approx(0.25 * 0.25 * 2.0)  # a hill has sizes of its own
