@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from geometry.errors import BadInput, CheckFailed
+from geometry.errors import CheckFailed
 from geometry.frames import Array, Integers, freeze, rigid_transformation_6, skew
 
 Sparse = Any
@@ -37,6 +37,10 @@ class Carrier(Protocol):
 
     def rows(self, points: npt.ArrayLike, names: tuple[str, ...] = ()) -> list[Sparse]:
         """What each degree of freedom moves `points` (p, 3) [m] along x, y, z; (3, n) sparse each."""
+        ...
+
+    def riding(self, point: Array) -> Sparse:
+        """(3, n) what each degree of freedom moves `point` (3,) [m], where it rides along with the nearest point of the mesh."""
         ...
 
     def slopes(self, point: Array) -> Array:
@@ -187,24 +191,10 @@ def place_rows(structure: Structure, points: npt.ArrayLike) -> list[Sparse]:
     return found
 
 
-def rows_beside(structure: Structure, point: Array, shift: Array) -> Sparse:
-    """(3, n) what moves a pick-up at `shift` (3,) [m] from `point` (3,) [m] along x, y, z, as of `place_rows`.
-
-    Off the mesh it rides along with the element at `point`.
-
-    Raises
-    ------
-    BadInput, CheckFailed : as `place_rows`, of `point`.
-    """
-    from scipy.sparse import csr_array
-
-    try:
-        return place_rows(structure, point + shift)[0]
-    except BadInput:
-        if structure.elements is None:
-            raise
-        slopes = structure.elements.slopes(point)
-        return csr_array(place_rows(structure, point)[0] + csr_array(np.einsum("a,ain->in", shift, slopes)))
+def rows_beside(structure: Structure, point: Array) -> Sparse:
+    """(3, n) what moves a pick-up at `point` (3,) [m] along x, y, z, as of `place_rows`; off a mesh it rides along with what is
+    nearest to it."""
+    return structure.elements.riding(point) if structure.elements is not None else place_rows(structure, point)[0]
 
 
 def position_of(structure: Structure, place: str) -> Array | None:

@@ -484,7 +484,7 @@ class Study:
 
     def on_several(self, effects: Sequence[Added]) -> Iterator[str]:
         """Which of `effects` act at coordinates that several of the articles have, and how to mean one: its places have names."""
-        known = {one.measured.configuration: one.structure for one in self.tests if one.structure is not None}
+        known = {one.measured.configuration: one.structure for one in (*self.made, *self.tests) if one.structure is not None}
         for effect in effects:
             for place in (one for one in effect.named.targets if one.startswith(AT)):
                 have = [article for article, of in known.items() if place in of.nominal.places]

@@ -206,6 +206,14 @@ class Elements:
         named = names or tuple(f"({', '.join(f'{1e3 * value:.4g}' for value in point)}) mm" for point in found)
         return [self.motion(point, name)[:3] for point, name in zip(found, named, strict=True)]
 
+    def riding(self, point: Array) -> Sparse:
+        """What each degree of freedom moves `point` (3,) [m] along x, y, z, where it rides along with the nearest point of the
+        mesh; (3, n)."""
+        from scipy.sparse import csr_array
+
+        foot = self.nearest(point).point
+        return csr_array(self.motion(foot, "")[:3] + csr_array(np.einsum("a,ain->in", point - foot, self.slopes(foot))))
+
     def slopes(self, point: Array) -> Array:
         """How what each degree of freedom moves `point` (3,) [m] along x, y, z changes by a metre along x, y, z; (3, 3, n).
 
@@ -215,6 +223,7 @@ class Elements:
         ------
         BadInput : as of `rows`.
         """
+        self.motion(point, "")
         foot = self.nearest(point)
         inward = WITHIN * (self.points[foot.nodes].mean(axis=0) - foot.point)
         at, step = (foot.point if foot.turned is None else point) + inward, 0.01 * WITHIN * foot.size

@@ -3,12 +3,16 @@
 import re
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from identification import test_file
+from validation.effects.catalogue import Named
+from validation.model.model import Added
+from validation.study import Study
 
 LINES = np.arange(3.0, 40.0, 0.1)
 FLOORS = 'responses = ["floor-1:x", "floor-2:x", "floor-3:x"]\n'
@@ -216,3 +220,16 @@ def test_coordinates_that_two_articles_have_are_said_to_be_of_both_and_how_one_i
         (tmp_path / "both.toml").write_text(both + mass)
         said = " ".join(run("compare", "both.toml", "test-a.toml", "test-b.toml")[1].split())
         assert ("which acts on a and b: to mean one, give the point a name" in said) == told, said
+
+
+def test_base_tests_of_two_articles_are_asked_for_the_coordinates_of_both_as_well() -> None:
+    """Of campaigns nothing was said, since they are no tests by name."""
+    place = "@0.24,0.03,0"
+
+    def of(article: str) -> SimpleNamespace:
+        structure = SimpleNamespace(nominal=SimpleNamespace(places={place: None}))
+        return SimpleNamespace(measured=SimpleNamespace(configuration=article), structure=structure)
+
+    effect = Added(named=Named(family="point-mass", targets=(place,), values={"": 0.05}))
+    (said,) = Study.on_several(SimpleNamespace(made=[of("a")], tests=[of("b")]), [effect])  # type: ignore[arg-type]
+    assert "which acts on a and b" in said

@@ -137,7 +137,7 @@ def alias(problem: estimation.Problem, id: str, names: Sequence[str]) -> Alias |
 
 def _fisher(problem: estimation.Problem, free: Sequence[estimation.Parameter]) -> Array:
     """(p, p) of data and facts where the model stands, knowledge beforehand left out."""
-    cost = cost_of(problem, free, floor_of(estimation.PLAIN))
+    cost = cost_of(problem, free, floor_of(estimation.PLAIN), plain=True)
     x = cost.at({})
     _, rows = cost.knowledge(x)
     facts = rows[len(rows) - len(problem.facts) :]
@@ -158,7 +158,7 @@ def _fisher(problem: estimation.Problem, free: Sequence[estimation.Parameter]) -
 def of_fit(problem: estimation.Problem, found: estimation.Fit, kinds: Sequence[str]) -> tuple[tuple[str, ...], Array]:
     """Names (i,) of the parameters of `kinds` that the fit `found` of `problem` estimated, and their covariance (i, i)."""
     free = problem.free(estimation.FITTED)
-    cost = cost_of(problem, free, floor_of(kinds))
+    cost = cost_of(problem, free, floor_of(kinds), plain=estimation.SENSOR not in kinds)
     at = {one.name: 0.0 for one in free if one.kind not in kinds} | found.by_name
     whole, _, _ = cost.total(cost.at(at))
     estimated = np.array([one.kind in kinds for one in free])

@@ -306,20 +306,7 @@ def of_table(table: dict[str, Any], source: str) -> Model:
     toml_file.require_format(table, source)
     whole = Fields(source=source, place="", table=table).only(TABLES)
     about, structure = whole.inner("model").only(MODEL), whole.inner("structure").only(STRUCTURE)
-    where, own = structure.inner("own"), dict[str, str]()  # by article, paths seen from the folder of the model file
-    from fem.user_model.reading import is_model
-    from geometry.user_article import require_file
-
-    for article in where.table:
-        name = where.text(article)
-        if not name:
-            raise where.refused(article, "a path is missing", 'Write "my-model.h5", from the folder of this file')
-        path = os.path.normpath(Path(where.source).parent / name)
-        if not Path(path).exists():
-            raise where.refused(article, f"there is no file {path}", "Check the path; it is seen from the folder of this file")
-        if not is_model(path):
-            _checked(where, article, partial(require_file, path))
-        own[article] = path
+    own = _own(structure.inner("own"))
     if STRUCTURE_FILE[0] in table:
         own |= {about.text("article"): source}
     kind = structure.choice("kind", KINDS) if "kind" in structure.table else BEAM
@@ -444,6 +431,25 @@ def _checked(table: Fields, key: str, attempt: Callable[[], object]) -> None:
         raise table.refused(key, error.problem, error.remedy) from None
 
 
+def _own(table: Fields) -> dict[str, str]:
+    """By article, the path of the file with its model, relative paths from the folder of the model file."""
+    found = {}
+    for article in table.table:
+        name = table.text(article)
+        if not name:
+            raise table.refused(article, "a path is missing", 'Write "my-model.h5", from the folder of this file')
+        path = os.path.normpath(Path(table.source).parent / name)
+        from fem.user_model.reading import is_model
+        from geometry.user_article import require_file
+
+        if not Path(path).exists():
+            raise table.refused(article, f"there is no file {path}", "Check the path; it is seen from the folder of this file")
+        if not is_model(path):
+            _checked(table, article, partial(require_file, path))
+        found[article] = path
+    return found
+
+
 # A study to start from: a structure of the user's own beside its tests, in a few lines.
 
 
@@ -556,12 +562,11 @@ def draft(article: str, out: Path | None = None) -> Model:
         elif not path.is_file():
             raise BadInput(source=article, problem="there is no such file", remedy="Check the path")
         name = path.parent.resolve().name if path.name == DESCRIPTION else path.stem
-        stated = toml_file.read(path).get(STRUCTURE_FILE[0], {}) if path.suffix.lower() == ".toml" else {}
-        by_itself = stated.get("kind") == "frame" or stated.get("support", "base") != "base"
+        stated = toml_file.read(path).get(STRUCTURE_FILE[0]) if path.suffix.lower() == ".toml" else None
+        by_itself = isinstance(stated, dict) and (stated.get("kind") == "frame" or stated.get("support", "base") != "base")
         article, title = (name, name) if by_itself else (f"{KNOWN_FMD}+{name}", f"{name} on the FMD")
         own = {article: str(path)}
-    fmd_tolerance = Tolerances().fmd_inertia
-    return Model(source=str(out or "model.toml"), title=title, article=article, fmd_tolerance=fmd_tolerance, own=own)
+    return Model(source=str(out or "model.toml"), title=title, article=article, fmd_tolerance=Tolerances().fmd_inertia, own=own)
 
 
 # The text of a model file with an effect more or less: every other line, and every comment, stays as its author wrote it.
@@ -586,7 +591,7 @@ def with_effect(text: str, added: Added, source: str = SOURCE) -> str:
     if added.named.id not in ids:
         return _verified(text, [f"{text.rstrip()}\n\n{effect_text(added)}\n"], [*before.effects, added], source)
     place = ids.index(added.named.id)
-    above, keys, behind = _parted(text, place, source)
+    above, header, keys, behind = _parted(text, place, source)
     # Value, sd and fixed replaced, their comments kept; what is new comes last
     table = tomlkit.parse(keys)
     says = ({"fixed": "false"} if "fixed" in table else {}) | entries(added)
@@ -596,8 +601,30 @@ def with_effect(text: str, added: Added, source: str = SOURCE) -> str:
     for key in {*EDITED} & table.keys() - says.keys():
         del table[key]
     anew = "".join(f"{line}\n" for line in effect_text(added).splitlines()[2:])
-    edits = [f"{above}{body}{behind}" for body in (tomlkit.dumps(table), anew)]
+    edits = [f"{above}{header}{body}{behind}" for body in (tomlkit.dumps(table), anew)]
     return _verified(text, edits, [*before.effects[:place], added, *before.effects[place + 1 :]], source)
+
+
+def without_effect(text: str, id: str, source: str = SOURCE) -> str:
+    """`text` of the file `source` without the effect `id`.
+
+    Raises
+    ------
+    BadInput : `text` is no model file, has no such effect, or its effects do not stand as [[effect]].
+    """
+    before = _read(text, source)
+    ids = [one.named.id for one in before.effects]
+    if id not in ids:
+        known = f"it has {', '.join(ids)}" if ids else "it has none"
+        raise BadInput(source=source, field=id, problem="the model has no such effect", remedy=f"{nearest(id, ids)}{known}")
+    place = ids.index(id)
+    above, _, _, behind = _parted(text, place, source)
+    lines = above.splitlines(keepends=True)
+    while lines and lines[-1].lstrip().startswith("#"):
+        lines.pop()
+    if lines and not lines[-1].strip():  # one empty line between what stays is enough
+        lines.pop()
+    return _verified(text, ["".join(lines) + behind], [*before.effects[:place], *before.effects[place + 1 :]], source)
 
 
 def _read(text: str, source: str) -> Model:
@@ -607,8 +634,8 @@ def _read(text: str, source: str) -> Model:
     return of_text(text, source)
 
 
-def _parted(text: str, place: int, source: str) -> tuple[str, str, str]:
-    """`text` in three: what stands above the keys of the effect at `place`, these, and what follows the last of them."""
+def _parted(text: str, place: int, source: str) -> tuple[str, str, str, str]:
+    """`text` in four: what stands above the effect at `place`, its header, its keys, and what follows the last of them."""
     try:
         effects = tomlkit.parse(text).get("effect")
     except TOMLKitError:  # what it does not understand and Python does, cannot be changed by it either
@@ -620,7 +647,8 @@ def _parted(text: str, place: int, source: str) -> tuple[str, str, str]:
     keys = body.splitlines(keepends=True)
     while not keys[-1].strip() or keys[-1].lstrip().startswith("#"):
         behind = keys.pop() + behind
-    return head, "".join(keys), behind
+    header = head.splitlines(keepends=True)[-1]
+    return head.removesuffix(header), header, "".join(keys), behind
 
 
 def _verified(text: str, edits: Iterable[str], meant: Sequence[Added], source: str) -> str:

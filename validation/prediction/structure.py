@@ -1,6 +1,7 @@
 """`ReducedStructure`: a structure with its mesh on few coordinates, whether it stands, floats or is driven by its base."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
@@ -764,14 +765,12 @@ def gradients(structure: Structure, places: Sequence[str]) -> dict[str, Array]:
     for name in places:
         if (at := position_of(structure, name)) is None:
             continue
-        shifts = NEARBY * size * np.vstack([np.eye(3), -np.eye(3)])
-        try:
-            if structure.elements is not None:
+        if structure.elements is not None:
+            with suppress(BadInput):  # outside the mesh
                 found[name] = structure.elements.slopes(at)
-                continue
-            rows = [row.toarray() for row in place_rows(structure, at + shifts)]
-        except BadInput:  # outside the mesh
             continue
+        shifts = NEARBY * size * np.vstack([np.eye(3), -np.eye(3)])
+        rows = [row.toarray() for row in place_rows(structure, at + shifts)]
         found[name] = np.array([(rows[k] - rows[k + 3]) / (2 * NEARBY * size) for k in range(3)])
     return found
 

@@ -158,11 +158,14 @@
   }
 
   function drawn(plot) {
-    try {
-      return draw(plot);
-    } catch (error) {
+    const failed = (error) => {
       plot.textContent = "This figure cannot be drawn; the tables hold its numbers.";
       console.error(plot.id, error);
+    };
+    try {
+      return draw(plot).catch(failed);
+    } catch (error) {
+      failed(error);
     }
   }
 
@@ -170,7 +173,10 @@
     await new Promise((then) => setTimeout(then, 0)); // texts and tables are there first
     if (!known) readAll();
     for (const plot of plots()) {
-      if (!plot.layout) drawn(plot);
+      if (!plot.layout) {
+        const done = drawn(plot);
+        if (!onPaper) await done;
+      }
       if (!onPaper) await new Promise((then) => setTimeout(then, 0));
     }
     root.dataset.drawn = known ? "all" : "none";

@@ -406,7 +406,7 @@ def _row(structure: Structure, at: Point, faults: Sequence[Named], points: Mappi
         raise BadInput(source="simulate", field=place, problem=problem, remedy=f"Its places are {', '.join(structure.places)}")
     rows = structure.places[place]
     if np.any(shift):
-        rows = rows_beside(structure, _where(structure, place), shift)
+        rows = rows_beside(structure, _where(structure, place) + shift)
     return np.asarray(d @ rows.toarray())
 
 

@@ -238,7 +238,7 @@ def read_by(tested: Structure, sensor: str, at: shapes.Point, faults: Sequence[F
             direction = direction + np.cross(along, direction)
         elif family == "accelerometer-position":
             shift = along
-    rows = rows_beside(tested, np.array(at) / 1e3, shift) if np.any(shift) else tested.places[place]
+    rows = rows_beside(tested, np.array(at) / 1e3 + shift) if np.any(shift) else tested.places[place]
     return np.asarray(direction @ rows.toarray())
 
 

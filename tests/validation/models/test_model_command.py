@@ -171,3 +171,10 @@ def test_only_what_stands_on_a_base_is_put_on_the_fmd(run, refused, tmp_path, su
     assert "without --test, one to simulate" in refused("simulate", "beam.toml", "--out", "none")
     (tmp_path / "bare.toml").write_text(described.replace("[fe_model]\n", ""))
     assert "a structure whose keys belong below [fe_model]" in refused("reference", "bare.toml")
+
+
+@pytest.mark.parametrize("stated", ["fe_model = 3\n", '[[fe_model]]\nkind = "frame"\n'])
+def test_what_is_no_table_does_not_say_how_a_structure_stands(run, tmp_path, stated):
+    (tmp_path / "beam.toml").write_text(stated)
+    assert run("model", "beam.toml", "--out", "lab.toml")[0] == 0
+    assert 'article = "fmd+beam"' in (tmp_path / "lab.toml").read_text()
