@@ -147,9 +147,7 @@ def assemble(mesh: SolidMesh, materials: Mapping[str, Material]) -> Matrices:
             volume = np.abs(np.linalg.det(mapping)) * W  # (c, q) at the quadrature points
             gradients = np.einsum("cqji,jkq->cikq", np.linalg.inv(mapping), reference, optimize=True)
             K += _scattered(mesh, cells, _stiffness(gradients, volume, lam, mu))
-            # Density times u . v over each cell, (c, k, 3, k, 3)
-            scalar = materials[name].density * np.einsum("aq,cq,bq->cab", values, volume, values, optimize=True)
-            M += _scattered(mesh, cells, np.einsum("cab,ij->caibj", scalar, np.eye(3)))
+            M += _scattered(mesh, cells, _mass(values, volume, materials[name].density))
         shares[name], mass = K, mass + M
     return Matrices(stiffness=sum(shares.values(), _zero(mesh)), mass=mass, part_stiffness=shares)
 
@@ -161,6 +159,12 @@ def _stiffness(gradients: Array, volume: Array, lam: float, mu: float) -> Array:
     blocks = np.einsum("ijcab->caibj", lam * pairs) + np.einsum("jicab->caibj", mu * pairs)
     blocks[:, :, range(3), :, range(3)] += mu * np.einsum("iicab->cab", pairs)
     return np.asarray(blocks)
+
+
+def _mass(values: Array, volume: Array, density: float) -> Array:
+    """Density times u . v over each cell, (c, k, 3, k, 3)."""
+    scalar = density * np.einsum("aq,cq,bq->cab", values, volume, values, optimize=True)
+    return np.asarray(np.einsum("cab,ij->caibj", scalar, np.eye(3)))
 
 
 def lame(material: Material, part: str = "part") -> tuple[float, float]:

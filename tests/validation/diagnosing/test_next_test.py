@@ -289,4 +289,4 @@ def test_where_nothing_helps_that_is_said_with_what_would():
     assert only.gain == 0
     assert only.separates == ()
     assert "no test of the menu" in only.test
-    assert "calibration mass" in only.test
+    assert "a known mass" in only.test
