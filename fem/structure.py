@@ -192,8 +192,7 @@ def place_rows(structure: Structure, points: npt.ArrayLike) -> list[Sparse]:
 
 
 def rows_beside(structure: Structure, point: Array) -> Sparse:
-    """(3, n) what moves a pick-up at `point` (3,) [m] along x, y, z, as of `place_rows`; off a mesh it rides along with what is
-    nearest to it."""
+    """(3, n) what moves a pick-up at `point` (3,) [m], as of `place_rows`; off a mesh it rides along with what is nearest."""
     return structure.elements.riding(point) if structure.elements is not None else place_rows(structure, point)[0]
 
 

@@ -81,6 +81,20 @@ def _plain(values: Sequence[float] | Array, between: str = " ") -> str:
     return between.join(repr(float(value) + 0.0) for value in values)
 
 
+def _quaternion(rotation: Array) -> Array:
+    """Unit quaternion w, x, y, z (4,) of `rotation` (3, 3): largest eigenvector of Bar-Itzhack's K (JGCD 23, 2000)."""
+    R = rotation
+    K = np.array(
+        [
+            [R[0, 0] + R[1, 1] + R[2, 2], R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]],
+            [0, R[0, 0] - R[1, 1] - R[2, 2], R[1, 0] + R[0, 1], R[2, 0] + R[0, 2]],
+            [0, 0, R[1, 1] - R[0, 0] - R[2, 2], R[2, 1] + R[1, 2]],
+            [0, 0, 0, R[2, 2] - R[0, 0] - R[1, 1]],
+        ]
+    )
+    return np.asarray(np.linalg.eigh(K, UPLO="U")[1][:, -1])
+
+
 def nastran_field(value: float | None) -> str:
     """A large field of Nastran: 16 characters, the exponent without its letter, as many digits as fit; blank for None."""
     texts = (f"{(value or 0.0) + 0.0:.{digits}e}".split("e") for digits in range(16, 0, -1))
@@ -114,15 +128,6 @@ def _fields(number: int, label: str, body: Inertia) -> dict[str, str]:
         math.acos(max(-1.0, min(1.0, float(axes[2, 2])))),
         0.0 if upright else math.atan2(axes[2, 0], axes[2, 1]),
     )
-    # Unit quaternion w, x, y, z: largest eigenvector of Bar-Itzhack's K (JGCD 23, 2000)
-    K = np.array(
-        [
-            [axes[0, 0] + axes[1, 1] + axes[2, 2], axes[2, 1] - axes[1, 2], axes[0, 2] - axes[2, 0], axes[1, 0] - axes[0, 1]],
-            [0, axes[0, 0] - axes[1, 1] - axes[2, 2], axes[1, 0] + axes[0, 1], axes[2, 0] + axes[0, 2]],
-            [0, 0, axes[1, 1] - axes[0, 0] - axes[2, 2], axes[2, 1] + axes[1, 2]],
-            [0, 0, 0, axes[2, 2] - axes[0, 0] - axes[1, 1]],
-        ]
-    )
     listed = {
         "cogs": ", ".join(f'"{_plain([one])} m"' for one in cog),
         "moments": ", ".join(f'"{_plain([one])} kg m^2"' for one in entries[:3]),
@@ -142,7 +147,7 @@ def _fields(number: int, label: str, body: Inertia) -> dict[str, str]:
         "masses": "\n".join(masses),
         "principal": _plain(moments),
         "named": " ".join(f"i{key}={_plain([one])}" for key, one in zip(("xx", "yy", "zz"), moments, strict=True)),
-        "quat": _plain(np.linalg.eigh(K, UPLO="U")[1][:, -1]),
+        "quat": _plain(_quaternion(axes)),
         "turns": _plain(turns, ", "),
         **listed,
         **{key: _plain([value]) for key, value in zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), entries, strict=True)},

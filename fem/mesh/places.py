@@ -207,12 +207,12 @@ class Elements:
         return [self.motion(point, name)[:3] for point, name in zip(found, named, strict=True)]
 
     def riding(self, point: Array) -> Sparse:
-        """What each degree of freedom moves `point` (3,) [m] along x, y, z, where it rides along with the nearest point of the
-        mesh; (3, n)."""
+        """(3, n) what each degree of freedom moves `point` (3,) [m], where it rides along with the nearest point of the mesh."""
         from scipy.sparse import csr_array
 
-        foot = self.nearest(point).point
-        return csr_array(self.motion(foot, "")[:3] + csr_array(np.einsum("a,ain->in", point - foot, self.slopes(foot))))
+        foot = self.nearest(point)
+        lever = np.einsum("a,ain->in", point - foot.point, self.slopes(foot.point))
+        return csr_array(self._sparse(foot.moved, foot.dofs) + csr_array(lever))
 
     def slopes(self, point: Array) -> Array:
         """How what each degree of freedom moves `point` (3,) [m] along x, y, z changes by a metre along x, y, z; (3, 3, n).
@@ -223,8 +223,7 @@ class Elements:
         ------
         BadInput : as of `rows`.
         """
-        self.motion(point, "")
-        foot = self.nearest(point)
+        foot = self.foot_of(point, "")
         inward = WITHIN * (self.points[foot.nodes].mean(axis=0) - foot.point)
         at, step = (foot.point if foot.turned is None else point) + inward, 0.01 * WITHIN * foot.size
         ahead, behind = ([self.motion(at + sign * axis, "", foot.part)[:3] for axis in step * np.eye(3)] for sign in (1, -1))
@@ -246,8 +245,8 @@ class Elements:
             whole[self.first[self.turning] + 3 + axis, 3 + axis] = 1.0
         return np.asarray(whole[self.own >= 0])
 
-    def motion(self, point: Array, name: str, part: str | None = None) -> Sparse:
-        """What moves and turns `point` (3,) [m] of the mesh, or of one `part` of it; (6, n) sparse.
+    def foot_of(self, point: Array, name: str, part: str | None = None) -> Foot:
+        """The foot of `point` (3,) [m] on the mesh, or on one `part` of it, that carries it.
 
         Raises
         ------
@@ -262,13 +261,22 @@ class Elements:
                 f"the nearest point is ({near}) mm in element {foot.tag} of {foot.part}"
             )
             raise BadInput(source=self.source, field=name, problem=problem, remedy="Correct the coordinates, or their unit")
+        return foot
+
+    def motion(self, point: Array, name: str, part: str | None = None) -> Sparse:
+        """What moves and turns `point` (3,) [m] of the mesh, or of one `part` of it; (6, n) sparse.
+
+        Raises
+        ------
+        BadInput : as `foot_of`.
+        """
+        foot = self.foot_of(point, name, part)
         moved, turned = foot.moved, foot.turned
-        dofs = foot.dofs
         if turned is None:
             turned = fitted(self.points[foot.nodes], foot.point)[3:]
         else:
             moved = moved - skew(point - foot.point) @ turned
-        return self._sparse(np.vstack([moved, turned]), dofs)
+        return self._sparse(np.vstack([moved, turned]), foot.dofs)
 
     def node(self, index: int) -> Sparse:
         """What moves and turns a node, (6, n); in a solid it turns with the elements at it."""
@@ -326,7 +334,7 @@ class Elements:
         bounds, owner = self._boxes
         away = np.linalg.norm(np.maximum(0, np.maximum(bounds[:, 0] - point, point - bounds[:, 1])), axis=1)
         if part is not None:
-            away[[self.blocks[k].part != part for k in owner[:, 0]]] = np.inf
+            away[np.array([block.part != part for block in self.blocks])[owner[:, 0]]] = np.inf
         best: Foot | None = None
         for k in np.argsort(away, kind="stable"):
             if best is not None and (away[k] > best.distance * ALIKE or best.distance == 0):

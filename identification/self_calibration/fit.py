@@ -368,20 +368,7 @@ def calibrated(
     problem, x = _annealed(problem, settings, prune=searched)
     solution = _minimum(problem, settings.floor, x, progress=lambda share: tell(0.3 + 0.5 * share))
     if searched:
-        # A few further poles where they pay: beyond the band, and where lines do not fit
-        for _ in range(MOST_BEYOND - problem.modes_beyond(solution.x) if problem.modes else 0):
-            more = _paid(with_one_beyond(problem, solution.x), solution, settings, LET_IN)
-            if more is None:
-                break
-            problem, solution = more
-        for _ in range(FURTHER):
-            part = problem.parts(settings.floor)[0]
-            left = residual(part.observed, part.rows(problem.layout, solution.x, changes=False))
-            by_line = np.mean(np.abs(left) ** 2, axis=(0, 2))
-            worst, usual = int(np.argmax(by_line)), max(float(np.median(by_line)), np.finfo(np.float64).tiny)
-            longer = with_one_more(problem, solution.x, worst) if by_line[worst] / usual > MISFIT else None
-            price = pole_penalty(_size(problem, settings.floor))
-            problem, solution = _paid(longer, solution, settings, price) or (problem, solution)
+        problem, solution = _completed(problem, solution, settings)
         # Poles in the band that do not pay at the floor asked for go; those beyond it were let in by what they took
         shorter = pruned(problem, solution, _size(problem, settings.floor), below=problem.band[1])
         if shorter is not None and shorter[0].modes < problem.modes:
@@ -402,6 +389,24 @@ def _annealed(problem: Assembly, settings: Settings, *, prune: bool = False) -> 
         shorter = pruned(problem, at_last, _size(problem, settings.floor), below=problem.band[1]) if prune else None
         problem, x = shorter or (problem, coarse.x)
     return problem, x
+
+
+def _completed(problem: Assembly, solution: Solution, settings: Settings) -> tuple[Assembly, Solution]:
+    """The fit with a few further poles where they pay: beyond the band, and where lines do not fit."""
+    for _ in range(MOST_BEYOND - problem.modes_beyond(solution.x) if problem.modes else 0):
+        more = _paid(with_one_beyond(problem, solution.x), solution, settings, LET_IN)
+        if more is None:
+            break
+        problem, solution = more
+    for _ in range(FURTHER):
+        part = problem.parts(settings.floor)[0]
+        left = residual(part.observed, part.rows(problem.layout, solution.x, changes=False))
+        by_line = np.mean(np.abs(left) ** 2, axis=(0, 2))
+        worst, usual = int(np.argmax(by_line)), max(float(np.median(by_line)), np.finfo(np.float64).tiny)
+        longer = with_one_more(problem, solution.x, worst) if by_line[worst] / usual > MISFIT else None
+        price = pole_penalty(_size(problem, settings.floor))
+        problem, solution = _paid(longer, solution, settings, price) or (problem, solution)
+    return problem, solution
 
 
 def _paid(

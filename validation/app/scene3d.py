@@ -133,11 +133,8 @@ def entry_of(of: Compared, cell: MapCell) -> MapEntry:
     else:
         levels = np.array([LEVELS[axis] for axis in MOTIONS])
         motion = int(np.argmax(np.abs(found.inputs[run, line, :6]) / levels[: found.inputs.shape[2]]))
-    loads = (
-        [row - found.channels]
-        if row >= found.channels
-        else list(of.loads[of.campaigns.index(cell.campaign)].get(cell.row) or range(6))
-    )
+    told = of.loads[of.campaigns.index(cell.campaign)].get(cell.row) or range(6)  # by an acceleration all six
+    loads = [row - found.channels] if row >= found.channels else list(told)
     sigma = np.zeros((6, 6)) if found.pairs is None else found.pairs.sigma[_line(found.pairs.frequency, cell.frequency)]
     most = max(loads, key=lambda load: float(sigma[load, motion]))
     return MapEntry(campaign=cell.campaign, load=most, motion=motion, frequency=float(found.frequency[line]))
@@ -411,10 +408,8 @@ def of_test(
             shown = np.maximum(evidence, 0.0)[:, None] * np.array([1.0, 0.0, 0.0])
             body = Outline.of(one.whole.structure, points).moving(article, shown)
             x, y, z = 1e3 * points[np.argmax(evidence)]
-            note = f"{WORDS[kind]}: at most {evidence.max():.3g} nats, at ({x:.4g}, {y:.4g}, {z:.4g}) mm; grey explains nothing."
-            note += (
-                " Each node alone, to first order: the table has the best at finite sizes, less what looking everywhere costs."
-            )
+            most = f"{WORDS[kind]}: at most {evidence.max():.3g} nats, at ({x:.4g}, {y:.4g}, {z:.4g}) mm; grey explains nothing."
+            note = f"{most} Each node alone, to first order: the table has the best at finite sizes, less what all looking costs."
         table = Turntable((body,), sensors, nodes=nodes)
         note += " A click on a node asks what something there would do." if nodes is not None else ""
         return Turned(table=table, label=f"{name}: structure and sensors", note=note)

@@ -430,8 +430,8 @@ class MeshSearch:
         """Nodes beside a `node`, and sizes, that bring most if tolerances follow to first order, the best first. Along sharp
         resonances they do not, and only a fit tells what a neighbour brings."""
         near = np.argsort(np.linalg.norm(self.points - self.points[node], axis=1), kind="stable")[1:NEIGHBOURS]
-        octaves = self.about(kind, node, size)
-        told = sorted([(*self.sized(kind, one, size, octaves, nearer=NEARER), one) for one in near.tolist()])
+        some = self.about(kind, node, size)
+        told = sorted([(*self.sized(kind, one, size, some, nearer=NEARER), one) for one in near.tolist()])
         return [(one, x) for _, x, one in told[: -FEW - 1 : -1]]
 
     def twins(self, kind: str, named: Named) -> tuple[Named, ...]:
@@ -580,16 +580,18 @@ def without_a_name(
     declared = found_nodes(at_home, lambda share: progress(share / 2), far=True)[1]
     declared = tuple(one for one in declared if wanted(one.named) and _is_worth(one))
     # A resonator far above the band is a mass, and takes a fit of three sizes: it comes last, where it promises more than those
-    both = [each for some in (seen, declared) for each in _first_of_kinds(some)]
-    both += [each for each in seen if each.kind == RESONATOR]
-    begins = [(each, named) for each in both for named in (each.named, each.straight) if named is not None]
+    both = []
+    for far, listed in ((False, seen), (True, declared)):  # of the first few kinds the best, and its other hills
+        kinds = list(dict.fromkeys((one.article, one.kind) for one in listed if one.kind != RESONATOR))[:FEW]
+        both += [(one, far) for one in listed if (one.article, one.kind) in kinds]
+    both += [(each, False) for each in seen if each.kind == RESONATOR]
+    begins = [(each, far, named) for each, far in both for named in (each.named, each.straight) if named is not None]
     least = -np.inf  # of what is seen from where tolerances are declared, beside a fit that leaves nothing
-    for k, (one, here) in enumerate(begins):
+    for k, (one, from_afar, here) in enumerate(begins):
         progress((1 + k / len(begins)) / 2)
         kind, most, some = one.kind, -np.inf, [here]
         if kind == RESONATOR and any(one.evidence < each.evidence + INDISTINGUISHABLE_NATS for each in found.values()):
             continue
-        from_afar = any(one is each for each in declared)
         if from_afar and one.evidence < least:
             continue
         for _ in range(MOVES):
@@ -712,12 +714,6 @@ def with_twins(data: Study, at: Candidate, steps: Sequence[SearchStep]) -> tuple
             data, at = ready, best.candidate
             more.append(replace(step, at=rest, tried=(best, *ranked(tried)), added=best.id, reconsidered=one.named.id))
     return data, at, tuple(more)
-
-
-def _first_of_kinds(nodes: Sequence[FoundNode]) -> list[FoundNode]:
-    """Of `nodes`, the best first, those of the first few kinds, each with its other hills."""
-    kinds = list(dict.fromkeys((one.article, one.kind) for one in nodes if one.kind != RESONATOR))[:FEW]
-    return [one for one in nodes if (one.article, one.kind) in kinds]
 
 
 def _is_worth(node: FoundNode) -> bool:

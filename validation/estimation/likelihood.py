@@ -110,14 +110,17 @@ floor in a `plain` fit, which fits no delays. Held by tests/validation/virtual_t
 
 def observed(measured: Measured, lines: Lines, *, plain: bool = False) -> ObservedLines:
     """`measured` at `lines` (indices), as a `plain` fit sees it or one of all tolerances."""
-    turned = 2 * np.pi * measured.frequency[lines, None] * (measured.late if plain else 0.0)
+    turned: Array | float = 0.0
+    if plain:
+        turned = 2 * np.pi * measured.frequency[lines, None] * measured.late
+        turned = np.where(turned > TURNED, turned, 0.0) * level_of(measured)[:, lines]
     return ObservedLines(
         runs=measured.runs,
         values=measured.values[:, lines],
         noise=measured.noise[:, lines],
         floor=floor_of(measured)[:, lines],
         inputs=None if measured.inputs is None else measured.inputs[:, lines],
-        turned=np.where(turned > TURNED, turned, 0.0) * level_of(measured)[:, lines],
+        turned=turned,
         parts=1 if measured.is_real else 2,
     )
 

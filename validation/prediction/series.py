@@ -379,12 +379,9 @@ class TestedCampaign:
         needed = frozenset(one.named.id for one in effects if FAMILIES[one.named.family].stage == OPENED)
         if needed not in self._opened:
             carried, model, of = self.carried, self.model, laboratory(self.model, self.campaign, effects)
-            swings = np.linalg.eigvals(
-                of.springs.compliance({}) @ (carried.moving.mass_matrix + carried.standing.rigid)
-            ).real.max()
-            if (
-                LOSES * float(swings * (2 * np.pi * self.measured.frequency[-1]) ** 2) > FLOOR
-            ):  # near to where all swings on cells
+            carries = carried.moving.mass_matrix + carried.standing.rigid
+            square = np.linalg.eigvals(of.springs.compliance({}) @ carries).real.max()  # 1 / omega² of what swings on the cells
+            if LOSES * square * (2 * np.pi * self.measured.frequency[-1]) ** 2 > FLOOR:
                 of = laboratory(replace(model, opened={LOSS: LOSES, **model.opened}), self.campaign, effects)
             structural = () if carried.nuisances is None else carried.nuisances.parameters
             unread = {k for k, name in enumerate(of.names) if not is_read(name)}

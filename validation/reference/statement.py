@@ -431,14 +431,9 @@ def rows_table(rows: Iterable[Row], title: str = "") -> "Table":
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(
-        title=headline(title) if title else None,
-        title_justify="left",
-        box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-        min_width=min(80, max(map(len, title.splitlines()), default=0)),  # else a title breaks where its table ends
-    )
+    wide = min(80, max(map(len, title.splitlines()), default=0))  # else a title breaks where its table ends
+    said, plain = headline(title) if title else None, box.SIMPLE_HEAD
+    table = Table(title=said, title_justify="left", box=plain, padding=(0, 1, 0, 0), pad_edge=False, min_width=wide)
     listed = list(rows)
     columns = list(zip(*map(_cells, listed), strict=True)) or [()] * len(HEADS)
     kept = [(head, cells) for head, cells in zip(HEADS, columns, strict=True) if not cells or set(cells) != {NONE}]

@@ -406,10 +406,7 @@ class DiagnosisPage:
                     "expected evidence", lambda row: row[1].gain if row[1].gain > 0 else None, ".3g", unit="nats", on=doc.PAGE
                 ),
                 doc.Column(
-                    "expected nats",
-                    lambda row: two_digits(row[1].gain) if row[1].gain > 0 else NONE,
-                    aligned=False,
-                    on=doc.TERMINAL,
+                    "expected nats", lambda row: two_digits(g) if (g := row[1].gain) > 0 else NONE, aligned=False, on=doc.TERMINAL
                 ),
                 doc.Column("work", lambda row: row[1].hours or None, "g", unit="h", on=doc.PAGE),
                 doc.Column(MEASURE, lambda row: row[1].test, words=True, on=doc.PAGE),
