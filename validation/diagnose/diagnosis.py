@@ -13,7 +13,7 @@ from validation.correct import CORRECTIONS
 from validation.effects import practical_units
 from validation.effects.catalogue import FAMILIES, Named, parse
 from validation.effects.effect import MISTAKE as OF_MISTAKES
-from validation.effects.effect import Vocabulary
+from validation.effects.effect import Vocabulary, position
 from validation.estimation.problem import DECLARED, SENSOR, Evaluation, Fit, Parameter, Problem
 from validation.estimation.screening import ScoreTest, Smallest
 from validation.estimation.verdicts import expected_z2, largest_z, misfit
@@ -685,14 +685,21 @@ def sized(of: Cause, size: EffectEstimate) -> str:
 
 
 def of_a_class(one: Cause, alike: Sequence[Cause]) -> Cause:
-    """`one` with a note of its size over all places of `alike`, which data cannot tell from its own: an interval is of one."""
+    """`one` with a note of its size over all places of `alike`, which data cannot tell from its own: an interval is of one place
+    that has a name, and of all of its sign where a place is looked for."""
+    own = one.sizes[0] if one.sizes else None
     sizes = [each.sizes[0] for each in alike if each.named.family == one.named.family and each.sizes]
-    if len(sizes) < 2:
+    looked_for = any(position(target) is not None for target in one.named.targets)
+    sizes = [each for each in sizes if not looked_for or own is None or each.value * own.value > 0]
+    if own is None or len(sizes) < 2:
         return one
-    over = replace(one.sizes[0], low=min(each.low for each in sizes), high=max(each.high for each in sizes))
-    _, low, high, unit = interval(one, over)
-    said = f"an interval is that of one place; over all {len(sizes)} that they cannot tell apart it is {low} to {high}"
-    return replace(one, note=f"{said} {unit}".rstrip())
+    over = replace(own, low=min(each.low for each in sizes), high=max(each.high for each in sizes))
+    _, low, high, unit = interval(one, own if looked_for else over)
+    said = f"an interval is that of one place; over all {len(sizes)} that they cannot tell apart it is {low} to {high} {unit}"
+    if not looked_for:
+        return replace(one, note=said.rstrip())
+    said = f"the interval is over all {len(sizes)} places that they cannot tell apart; at this one alone it is {low} to {high} {unit}"
+    return replace(one, sizes=(over, *one.sizes[1:]), note=said.rstrip())
 
 
 AT_LEAST, AT_MOST = "at least", "at most"

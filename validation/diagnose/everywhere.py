@@ -429,43 +429,47 @@ class MeshSearch:
     def neighbours(self, kind: str, node: int, size: float) -> list[tuple[int, float]]:
         """Nodes beside a `node`, and sizes, that bring most if tolerances follow to first order, the best first. Along sharp
         resonances they do not, and only a fit tells what a neighbour brings."""
-        near = np.argsort(np.linalg.norm(self.points - self.points[node], axis=1), kind="stable")[1:NEIGHBOURS]
         some = self.about(kind, node, size)
-        told = sorted([(*self.sized(kind, one, size, some, nearer=NEARER), one) for one in near.tolist()])
+        near = self._around(node)[1:].tolist()
+        told = sorted([(*self.sized(kind, one, size, some, nearer=NEARER), one) for one in near])
         return [(one, x) for _, x, one in told[: -FEW - 1 : -1]]
+
+    def _around(self, node: int) -> Integers:
+        """(n,) `NEIGHBOURS` of a node, itself first."""
+        return np.argsort(np.linalg.norm(self.points - self.points[node], axis=1), kind="stable")[:NEIGHBOURS]
 
     def twins(self, kind: str, named: Named) -> tuple[Named, ...]:
         """Effects at other nodes that may explain as much as `named` does. What is too heavy on one side of what is symmetric is
         as much too light on the other."""
         sizes = (named.value, -named.value) if kind == MASS else (named.value,)
-        found = self.hills(kind, np.array(position(named.target)), sizes)
+        found = self.hills(kind, np.array(position(named.target)), sizes, itself=True)
         each = [((at_position(self.points[node]), *named.targets[1:]), size) for node, _, size in found]
         return tuple(replace(named, targets=targets, values={"": size}) for targets, size in each)
 
-    def hills(
-        self, kind: str, point: Array, sizes: Sequence[float], octaves: Array | None = None
-    ) -> list[tuple[int, float, float]]:
+    def hills(self, kind: str, point: Array, sizes: Sequence[float], *, itself: bool = False) -> list[tuple[int, float, float]]:
         """Nodes at which other hills of the evidence have their tops than that of `point` (3,), its evidence [nats] and size, the
-        best first, as far as they may bring as much as it once tolerances follow.
+        best first, as far as they may bring as much as it once tolerances follow; before them the best of its own where that
+        `itself` is asked for.
 
-        Every node is asked for `sizes`, or for `octaves` (k,), as of `sized`, of their signs and for what lies between.
+        Every node is asked for sizes `about` the first of `sizes` at that of `point`, of the signs of all.
         """
         from scipy.spatial import cKDTree
 
         own = int(np.argmin(np.linalg.norm(self.points - point, axis=1)))
-        some = np.unique([own, *np.linspace(0, len(self.points) - 1, ASKED).astype(np.int64)])
-        asked = np.log2(abs(sizes[0]) / self.plausible(self.at(some))[kind])[:, None]
-        asked, nearer = (asked, 0) if octaves is None else (np.tile(octaves, (len(some), 1)), NEARER)
-        each = [max(self.sized(kind, n, x, k, nearer=nearer) for x in sizes) for n, k in zip(some.tolist(), asked, strict=True)]
-        gains, top = np.array([gain for gain, _ in each]), int(np.searchsorted(some, own))
+        some = np.unique([*self._around(own), *np.linspace(0, len(self.points) - 1, ASKED).astype(np.int64)])
+        asked = self.about(kind, own, sizes[0])
+        each = [max(self.sized(kind, n, x, asked, nearer=NEARER) for x in sizes) for n in some.tolist()]
+        gains, here = np.array([gain for gain, _ in each]), int(np.searchsorted(some, own))
         around = cKDTree(self.points[some]).query(self.points[some], k=min(NEIGHBOURS, len(some)))[1]
         uphill = around[np.arange(len(some)), np.argmax(gains[around], axis=1)]
-        least = _least_of_rivals(gains[top])
-        while gains[uphill[top]] > gains[top]:
-            top = int(uphill[top])
-        tops = np.flatnonzero((gains[uphill] <= gains) & (gains > least) & (np.arange(len(some)) != top))
-        best = tops[np.argsort(-gains[tops], kind="stable")][:FEW]
-        return [(int(some[k]), float(gains[k]), each[k][1]) for k in best.tolist()]
+        top = np.where(gains[uphill] > gains, uphill, np.arange(len(some)))
+        while np.any(top[top] != top):
+            top = top[top]
+        rivals = np.flatnonzero((gains > _least_of_rivals(gains[here])) & (np.arange(len(some)) != here))
+        rivals = rivals[np.argsort(-gains[rivals], kind="stable")]
+        beside, others = rivals[top[rivals] == top[here]], rivals[(top[rivals] == rivals) & (rivals != top[here])]
+        best = [*(beside[:FEW] if itself else ()), *others[:FEW]]
+        return [(int(some[k]), float(gains[k]), each[k][1]) for k in best]
 
     def best_name(self, kind: str) -> tuple[str, float]:
         """The best of the places that have names, and its evidence [nats]; empty where there is none."""
@@ -534,7 +538,7 @@ def found_nodes(
         for kind, top in tops.items():
             (node, gain, size), evidence = top[0], scores.evidence[kind]
             if far and kind != RESONATOR and gain > least:
-                top += search.hills(kind, search.points[node], [size], search.about(kind, node, size))
+                top += search.hills(kind, search.points[node], [size])
             name, of_name = search.best_name(kind)
             looked, first = float(evidence.max()) - scores.somewhere(kind), int(np.argmax(evidence))
             for node, gain, size in top:

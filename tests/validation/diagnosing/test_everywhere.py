@@ -437,7 +437,10 @@ def test_a_mass_at_a_node_and_at_its_mirror_image_is_one_name_where_no_sensor_pa
         assert parting.test.partition(" along ")[2][:2] == "x,"
         assert set(parting.separates) == {brought.id, mirror}
         assert parting.gain > 20
-        assert found.accepted[0].note.startswith("an interval is that of one place; over all 2 ")
+        (cause,) = found.accepted
+        assert cause.note.startswith("the interval is over all 2 places that they cannot tell apart; at this one alone it is ")
+        tried = [one.sizes[0] for one in found.ranking if one.id in {brought.id, mirror}]
+        assert (cause.sizes[0].low, cause.sizes[0].high) == (min(one.low for one in tried), max(one.high for one in tried))
     assert (mirror.partition(":")[2] in data.model.looked_at) == alike
 
 
@@ -515,7 +518,7 @@ def test_from_afar_the_tops_of_other_hills_are_seen_that_may_come_up_to_the_best
     monkeypatch.setattr(MeshSearch, "plausible", lambda self, rows: dict.fromkeys(everywhere.KINDS, np.ones(len(rows))))
     monkeypatch.setattr(MeshSearch, "sized", sized)
     own = int(np.argmin(np.linalg.norm(mesh.points - HIDDEN, axis=1)))
-    ((node, gain, size),) = mesh.hills("point-mass", mesh.points[own], [0.25], mesh.about("point-mass", own, 0.25))
+    ((node, gain, size),) = mesh.hills("point-mass", mesh.points[own], [0.25])
     assert np.linalg.norm(mesh.points[node] - mirror) < 0.03
     assert 850.0 < gain <= 900.0
     assert size == pytest.approx(0.25 * 0.25 * 2.0)  # a hill has sizes of its own
