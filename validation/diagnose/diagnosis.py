@@ -685,21 +685,19 @@ def sized(of: Cause, size: EffectEstimate) -> str:
 
 
 def of_a_class(one: Cause, alike: Sequence[Cause]) -> Cause:
-    """`one` with a note of its size over all places of `alike`, which data cannot tell from its own: an interval is of one place
-    that has a name, and of all of its sign where a place is looked for."""
-    own = one.sizes[0] if one.sizes else None
+    """`one` with a note of its size over all places of `alike` that data cannot tell from its own. An interval is of one place
+    that has a name, and of all of them where a place is looked for."""
     sizes = [each.sizes[0] for each in alike if each.named.family == one.named.family and each.sizes]
-    looked_for = any(position(target) is not None for target in one.named.targets)
-    sizes = [each for each in sizes if not looked_for or own is None or each.value * own.value > 0]
-    if own is None or len(sizes) < 2:
+    sizes = [each for each in sizes if each.value * one.sizes[0].value > 0]
+    if len(sizes) < 2:
         return one
-    over = replace(own, low=min(each.low for each in sizes), high=max(each.high for each in sizes))
-    _, low, high, unit = interval(one, own if looked_for else over)
-    said = f"an interval is that of one place; over all {len(sizes)} that they cannot tell apart it is {low} to {high} {unit}"
+    over = replace(one.sizes[0], low=min(each.low for each in sizes), high=max(each.high for each in sizes))
+    looked_for = any(position(target) is not None for target in one.named.targets)
+    _, low, high, unit = interval(one, one.sizes[0] if looked_for else over)
+    places, to = f"all {len(sizes)} that they cannot tell apart", f"it is {low} to {high} {unit}".rstrip()
     if not looked_for:
-        return replace(one, note=said.rstrip())
-    said = f"the interval is over all {len(sizes)} places that they cannot tell apart; at this one alone it is {low} to {high} {unit}"
-    return replace(one, sizes=(over, *one.sizes[1:]), note=said.rstrip())
+        return replace(one, note=f"an interval is that of one place; over {places} {to}")
+    return replace(one, sizes=(over, *one.sizes[1:]), note=f"the interval is over {places}; at this place alone {to}")
 
 
 AT_LEAST, AT_MOST = "at least", "at most"

@@ -429,22 +429,17 @@ class MeshSearch:
     def neighbours(self, kind: str, node: int, size: float) -> list[tuple[int, float]]:
         """Nodes beside a `node`, and sizes, that bring most if tolerances follow to first order, the best first. Along sharp
         resonances they do not, and only a fit tells what a neighbour brings."""
+        near = np.argsort(np.linalg.norm(self.points - self.points[node], axis=1), kind="stable")[1:NEIGHBOURS]
         some = self.about(kind, node, size)
-        near = self._around(node)[1:].tolist()
-        told = sorted([(*self.sized(kind, one, size, some, nearer=NEARER), one) for one in near])
+        told = sorted([(*self.sized(kind, one, size, some, nearer=NEARER), one) for one in near.tolist()])
         return [(one, x) for _, x, one in told[: -FEW - 1 : -1]]
-
-    def _around(self, node: int) -> Integers:
-        """(n,) `NEIGHBOURS` of a node, itself first."""
-        return np.argsort(np.linalg.norm(self.points - self.points[node], axis=1), kind="stable")[:NEIGHBOURS]
 
     def twins(self, kind: str, named: Named) -> tuple[Named, ...]:
         """Effects at other nodes that may explain as much as `named` does. What is too heavy on one side of what is symmetric is
         as much too light on the other."""
         sizes = (named.value, -named.value) if kind == MASS else (named.value,)
         found = self.hills(kind, np.array(position(named.target)), sizes, itself=True)
-        each = [((at_position(self.points[node]), *named.targets[1:]), size) for node, _, size in found]
-        return tuple(replace(named, targets=targets, values={"": size}) for targets, size in each)
+        return tuple(_moved(named, self.points[node], size) for node, _, size in found)
 
     def hills(self, kind: str, point: Array, sizes: Sequence[float], *, itself: bool = False) -> list[tuple[int, float, float]]:
         """Nodes at which other hills of the evidence have their tops than that of `point` (3,), its evidence [nats] and size, the
@@ -455,10 +450,10 @@ class MeshSearch:
         """
         from scipy.spatial import cKDTree
 
-        own = int(np.argmin(np.linalg.norm(self.points - point, axis=1)))
-        some = np.unique([*self._around(own), *np.linspace(0, len(self.points) - 1, ASKED).astype(np.int64)])
+        own, *near = np.argsort(np.linalg.norm(self.points - point, axis=1), kind="stable")[:NEIGHBOURS].tolist()
+        some = np.unique([own, *near, *np.linspace(0, len(self.points) - 1, ASKED).astype(np.int64)])
         asked = self.about(kind, own, sizes[0])
-        each = [max(self.sized(kind, n, x, asked, nearer=NEARER) for x in sizes) for n in some.tolist()]
+        each = [max(self.sized(kind, n, x, asked, nearer=1) for x in sizes) for n in some.tolist()]
         gains, here = np.array([gain for gain, _ in each]), int(np.searchsorted(some, own))
         around = cKDTree(self.points[some]).query(self.points[some], k=min(NEIGHBOURS, len(some)))[1]
         uphill = around[np.arange(len(some)), np.argmax(gains[around], axis=1)]
@@ -486,9 +481,14 @@ class MeshSearch:
         return tuple(one.finite(self.offsets, left.of.lines) for left, one in self.tests)
 
 
+def _moved(named: Named, point: Array, size: float) -> Named:
+    """`named` of another size, at a point (3,) [m]."""
+    return replace(named, targets=(at_position(point), *named.targets[1:]), values={"": size})
+
+
 def _least_of_rivals(gain: float) -> float:
-    """[nats] that another node must bring if it may bring as much as one with that `gain` once tolerances follow."""
-    return (1 - SCREENING_ERROR) * gain - SCREENING_MARGIN
+    """[nats] that another node must bring if it may bring as much as one with that `gain` once tolerances follow: something."""
+    return max((1 - SCREENING_ERROR) * gain - SCREENING_MARGIN, 0.0)
 
 
 def nodes_of(one: Prediction) -> ReducedStructure | None:
@@ -630,8 +630,7 @@ def without_a_name(
             node, _, size = search.nearby(kind, np.array(point), fitted.value)
             stays = at_position(search.points[node]) == here.target
             further = search.neighbours(kind, node, size) if stays else [(node, size)]
-            others = [(at_position(search.points[other]), value) for other, value in further]
-            some = [replace(here, targets=(place, *here.targets[1:]), values={"": value}) for place, value in others]
+            some = [_moved(here, search.points[other], value) for other, value in further]
     on = [one for one in base.problem.predictions if isinstance(one, OnNodes)]
     structures = {_known(one).configuration: whole.structure for one in on if (whole := nodes_of(one))}
     for kind, one in found.items():
@@ -680,7 +679,7 @@ def elsewhere(data: Study, rest: Candidate, there: Candidate) -> tuple[tuple[Stu
             continue
         node, _, size = search.nearby(kind, point, added.named.value)
         place = at_position(search.points[node])
-        again = Named(family=added.named.family, targets=(place, *added.named.targets[1:]), values={"": size})
+        again = _moved(added.named, search.points[node], size)
         if again.id not in {one.named.id for one in there.effects} and not np.allclose(search.points[node], point):
             looked = 0.0 if named is not None else float(np.log(len(search.points))) + INDISTINGUISHABLE_NATS
             found.setdefault(place, (Added(named=again), looked))

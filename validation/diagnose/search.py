@@ -403,7 +403,7 @@ def stepwise_search(
         if not one.added:
             break
         found, ends = one.tried[0].candidate, []
-        few = one.tried[:FEW] if elsewhere and not one.tried[0].goodness.null else ()
+        few = one.tried[:FEW] if elsewhere and (at.effects or not one.tried[0].goodness.null) else ()
         for each in filter(is_accepted, few):  # of the best few that which is best once all stand at their places
             led = [*rounds[:-1], replace(one, tried=(each, *(other for other in one.tried if other is not each)), added=each.id)]
             with suppress(CheckFailed):  # at the place of one the model may break down
@@ -642,8 +642,8 @@ def _most_promising(found: Sequence[Screened]) -> list[Screened]:
 def _rivals(
     tried: Sequence[CandidateFit], menu: Sequence[Added], found: Sequence[Screened], *, again: bool = False
 ) -> list[Added]:
-    """Candidates that were not fitted and may be aliases of the best; of a resonator its like at the most promising places, and
-    `again` at its sizes those that were fitted at other places."""
+    """Candidates that were not fitted and may be aliases of the best, beside other effects, which follow no straight line, all in
+    its place; of a resonator its like at the most promising places, and `again` at its sizes those that were fitted at others."""
     best, known = tried[0], {one.id for one in tried}
     others = [one for one in menu if one.named.id not in known]
     if is_resonator(best.added.named):
@@ -660,8 +660,9 @@ def _rivals(
         [one for one in others if not is_resonator(one.named)],
         limit=min(INDISTINGUISHABLE_NATS / best.evidence, GOOD_PART),
     )
-    by_id = {one.id: one.added for one in found}
-    return [by_id[id] for id in near if id in by_id][:FEW]
+    by_id = {one.id: one.added for one in found if one.id not in known}
+    here = [id for id, one in by_id.items() if len(best.candidate.effects) > 1 and one.named.targets == best.added.named.targets]
+    return [by_id[id] for id in dict.fromkeys((*[id for id in near if id in by_id][:FEW], *here))]
 
 
 def _at_sizes(one: Added, other: Added) -> Added:

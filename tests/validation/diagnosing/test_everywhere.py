@@ -438,7 +438,7 @@ def test_a_mass_at_a_node_and_at_its_mirror_image_is_one_name_where_no_sensor_pa
         assert set(parting.separates) == {brought.id, mirror}
         assert parting.gain > 20
         (cause,) = found.accepted
-        assert cause.note.startswith("the interval is over all 2 places that they cannot tell apart; at this one alone it is ")
+        assert cause.note.startswith("the interval is over all 2 that they cannot tell apart; at this place alone it is ")
         tried = [one.sizes[0] for one in found.ranking if one.id in {brought.id, mirror}]
         assert (cause.sizes[0].low, cause.sizes[0].high) == (min(one.low for one in tried), max(one.high for one in tried))
     assert (mirror.partition(":")[2] in data.model.looked_at) == alike
@@ -522,6 +522,21 @@ def test_from_afar_the_tops_of_other_hills_are_seen_that_may_come_up_to_the_best
     assert np.linalg.norm(mesh.points[node] - mirror) < 0.03
     assert 850.0 < gain <= 900.0
     assert size == pytest.approx(0.25 * 0.25 * 2.0)  # a hill has sizes of its own
+
+
+def test_a_node_beside_one_is_its_twin_at_a_size_of_its_own(study, monkeypatch):
+    """12.6 g on the edge of a stiffener were told as 5.6 g (4.8 to 6.5) two nodes further, 1.7 nats apart."""
+    (mesh,) = MeshSearch.of(candidates.baseline(study))
+    own, near = np.argsort(np.linalg.norm(mesh.points - HIDDEN, axis=1))[:2]
+
+    def sized(self, kind, node, first, octaves, *, nearer):
+        return {own: 100.0, near: 98.0}.get(node, 0.0), first if node == own else 2.2 * first
+
+    monkeypatch.setattr(MeshSearch, "sized", sized)
+    named = parse(f"point-mass:{at_position(mesh.points[own])}=0.0056", ANYWHERE)
+    (twin,) = mesh.twins("point-mass", named)
+    assert twin.target == at_position(mesh.points[near])
+    assert twin.value == pytest.approx(2.2 * 0.0056)
 
 
 def test_neighbours_of_a_node_are_fitted_whatever_a_straight_line_says(portal, tmp_path, monkeypatch):
