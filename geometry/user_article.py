@@ -382,12 +382,7 @@ ENDINGS = (*STEP_ENDINGS, *meshes.MESH_ENDINGS, ".toml")
 
 
 def load(
-    path: str | Path,
-    *,
-    unit: str | None = None,
-    material: str | None = None,
-    chord: float | None = None,
-    repair: bool = False,
+    path: str | Path, *, unit: str | None = None, material: str | None = None, chord: float | None = None, repair: bool = False
 ) -> UserArticle:
     """The article in the file or folder `path`, every mesh closed and checked, every body with its material.
 
