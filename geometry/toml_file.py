@@ -6,7 +6,7 @@ import math
 import os
 import re
 import tomllib
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
@@ -41,11 +41,14 @@ KINDS = {
     "campaign": "a campaign.toml",
     "model": "a model file",
     "fe_model": "an FE model",
+    "kind": "a measurement file",
     "article": "the description of an article",
-    "kind": "a measurement file, or a structure whose keys belong below [fe_model]",
     "inertia": "a result file",
 }
 """What a file is that has the key, the first of them that it has."""
+
+STRUCTURES = ("frame", "mesh", "assembly", "matrices", "modal")
+"""Kinds that [fe_model] may have, and no file."""
 
 
 def require_no_other(path: Path) -> None:
@@ -102,7 +105,7 @@ def parse(text: str, name: str) -> dict[str, Any]:
 
     Raises
     ------
-    BadInput : not TOML or JSON (with the line), too deeply nested.
+    BadInput : not TOML or JSON (with the line), too deeply nested; a structure without its table.
     """
     form = "JSON" if name.lower().endswith(".json") else "TOML"
     try:
@@ -118,6 +121,9 @@ def parse(text: str, name: str) -> dict[str, Any]:
     if not isinstance(table, dict):
         raise BadInput(source=name, problem="must hold one JSON object", remedy="Put the values into {...}")
     _require_plain(table, name, DEEPEST)
+    if table.get("kind") in STRUCTURES:
+        problem = f"{table['kind']!r} is a structure, whose keys belong below [fe_model]"
+        raise BadInput(source=name, field="kind", problem=problem, remedy="Write the line [fe_model] above it")
     return table
 
 
@@ -223,6 +229,17 @@ def _too_deep(source: str) -> BadInput:
 def string(value: str) -> str:
     """`value` as a basic string of TOML: JSON's escapes are TOML's, but for one character that JSON leaves as it is."""
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def inline(value: Any, of_float: Callable[[float], str] = "{:.9g}".format) -> str:
+    """A value of TOML on one line, numbers as `of_float` writes them, by default to nine digits."""
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{string(key)} = {inline(one, of_float)}" for key, one in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(inline(one, of_float) for one in value) + "]"
+    if isinstance(value, str):
+        return string(value)
+    return of_float(value) if isinstance(value, float) else str(value).lower()
 
 
 # Tables of a user's file, checked at the door: no key that nobody reads, none missing, and the nearest name suggested.

@@ -122,9 +122,10 @@ def require_model(name: str, model: str, option: str = "--model") -> str:
     if not is_file(name):
         built_in(name)
         return model
-    from geometry.user_article import require_file
+    from geometry.user_article import read, require_file
 
-    require_file(name)
+    if (path := require_file(name)).suffix.lower() == ".toml":
+        read(path)
     if model != "solid":
         article = "an" if model.startswith("e") else "a"
         raise BadInput(
