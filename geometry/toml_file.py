@@ -51,6 +51,10 @@ STRUCTURES = ("frame", "mesh", "assembly", "matrices", "modal")
 """Kinds that [fe_model] may have, and no file."""
 
 
+FOLDERS = {"campaign.toml": "a campaign", "test.toml": "a test"}
+"""Whose folder it is that holds the file."""
+
+
 def require_no_other(path: Path) -> None:
     """Refuse a deck or a mesh, with how it becomes a description, and a universal file, of which another argument is made."""
     if not path.is_file():
@@ -83,8 +87,8 @@ def read(name: str | Path, *, remedy: str = "Check the path") -> dict[str, Any]:
     if not name.strip():
         raise BadInput(source="file", problem=f"the name is empty, found {name!r}", remedy=remedy)
     if path.is_dir():
-        if (path / "campaign.toml").is_file():
-            said = "it is the folder of a campaign, where a file is needed"
+        if (whose := next((what for file, what in FOLDERS.items() if (path / file).is_file()), None)) is not None:
+            said = f"it is the folder of {whose}, where a file is needed"
             raise BadInput(source=name, problem=said, remedy=f"MODEL comes first and DATA behind it. {remedy}")
         raise BadInput(source=name, problem="it is a folder, where a file is needed", remedy=remedy)
     if path.is_char_device() or path.is_block_device():

@@ -147,3 +147,5 @@ def test_coordinates_are_asked_of_a_structure_that_has_none(refused, tmp_path):
     assert (
         "pair.toml: `@0,0,0.2`: has no known motion: the structure has no coordinates. A place is named there: low, high" in said
     )
+    said = refused("add", "pair.toml", "point-mass:hihg")
+    assert "`point-mass:hihg`: nothing is called 'hihg' there. Did you mean high? It has low, high" in said

@@ -122,10 +122,9 @@ def require_model(name: str, model: str, option: str = "--model") -> str:
     if not is_file(name):
         built_in(name)
         return model
-    from geometry.user_article import read, require_file
+    from geometry.user_article import require_file
 
-    if (path := require_file(name)).suffix.lower() == ".toml":
-        read(path)
+    require_file(name)
     if model != "solid":
         article = "an" if model.startswith("e") else "a"
         raise BadInput(

@@ -188,7 +188,9 @@ def test_modes_of_what_is_no_article_say_what_it_is(run, refused, tmp_path):
     assert run("model", "fmd", "--out", "lab.toml")[0] == 0
     assert "this is a model file, not what is read here" in refused("modes", "lab.toml")
     (tmp_path / "test.toml").write_text('format = 1\nkind = "modal-table"\narticle = "frame"\n')
-    assert "this is a measurement file, not what is read here" in refused("modes", "test.toml")
+    for command in ("modes", "model"):  # which had put it on the FMD
+        assert "this is a measurement file, not what is read here" in refused(command, "test.toml")
+    assert "it is the folder of a test, where a file is needed. MODEL comes first" in refused("compare", ".", "lab.toml")
 
 
 def test_a_table_is_meant_as_that_of_the_model_only_if_it_has_one_of_its_keys(refused, tmp_path):
