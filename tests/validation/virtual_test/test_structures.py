@@ -224,6 +224,10 @@ def test_a_frame_of_a_few_lines_stands_on_a_base(moves: str, kind: str, run: Any
     code, out, err = run("compare", "mast.toml", "test", "--json")
     assert code == 0, err
     assert json.loads(out)["fitted_chi2_per_dof"] < 1e-3
+    # No pick-up of it leaves the mast, 800 mm of it and a fiftieth of that around
+    moved = {one.name: one for one in Study.open("mast.toml", ["test"]).made[0].parameters}
+    assert moved["accelerometer-position:middle-x:z"].bounds(plain=False) == pytest.approx((-0.416, 0.416))
+    assert moved["accelerometer-position:tip-x:z"].bounds(plain=False) == pytest.approx((-0.816, 0.016))
 
 
 def test_what_load_cells_lose_is_open_where_the_band_comes_near_what_swings_on_them(on_base: Path, run: Any) -> None:
