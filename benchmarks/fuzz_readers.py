@@ -29,6 +29,7 @@ from fem.user_model import reading
 from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.sensors import Channel, ChannelTable, Place
+from geometry.toml_file import inline
 from identification import test_file
 from identification.campaign import Campaign, Excitation, Processing, Recording, Run, recording
 from identification.campaign_file import Problems, parse, text
@@ -37,7 +38,6 @@ from identification.files.files import Signals
 from identification.modal_table import ModalTable
 from identification.response_functions import ResponseFunctions
 from tools.pages import blocks
-from validation.model.model_file import inline
 
 PATIENCE = 20
 """Seconds after which a reader counts as hanging."""

@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from geometry.errors import CheckFailed
+from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, Integers, freeze, rigid_transformation_6, skew
 
 Sparse = Any
@@ -159,7 +159,7 @@ def place_rows(structure: Structure, points: npt.ArrayLike) -> list[Sparse]:
 
     Raises
     ------
-    CheckFailed : the structure knows no nodes.
+    BadInput : the structure knows no nodes, or a point lies outside its mesh.
     """
     from scipy.sparse import csr_array
 
@@ -167,7 +167,8 @@ def place_rows(structure: Structure, points: npt.ArrayLike) -> list[Sparse]:
         return list(structure.elements.rows(points))
     if not len(structure.points):
         known = ", ".join(list(structure.places)[:20]) or "its nodes or degrees of freedom"
-        raise CheckFailed(f"The structure knows no coordinates of nodes; a place is named there: {known}.")
+        problem = "has no known motion: the structure has no coordinates"
+        raise BadInput(source="the structure", field="place", problem=problem, remedy=f"A place is named there: {known}")
     from scipy.spatial import cKDTree
 
     at = np.asarray(points, dtype=np.float64).reshape(-1, 3)
@@ -227,6 +228,23 @@ def removable(structure: Structure, point: npt.ArrayLike | None) -> float:
     away = np.linalg.norm(structure.points - np.asarray(point), axis=1)
     near = away <= max(NEAR * np.ptp(structure.points, axis=0).max(), away.min())
     return float(np.clip(structure.weights[near].sum(axis=0).max(), 0.0, most))
+
+
+def limits_of_mass(structure: Structure, point: Array | None, direction: Array) -> tuple[float, float]:
+    """[kg] Least and greatest mass at `point`: no more can be missing than is `removable`, whatever the `direction`."""
+    return -removable(structure, point), np.inf
+
+
+AROUND = 0.02
+"""[share] of a structure's size by which what sits on it may be beside its nodes. By definition."""
+
+
+def limits_of_shift(structure: Structure, point: Array | None, direction: Array) -> tuple[float, float]:
+    """[m] How far what sits at `point` (3,) can be from there along `direction` (3,) and still be on it, if that is known."""
+    if point is None or not len(structure.points):
+        return -np.inf, np.inf
+    away, wide = (structure.points - point) @ direction, AROUND * float(np.ptp(structure.points, axis=0).max())
+    return min(float(away.min()), 0.0) - wide, max(float(away.max()), 0.0) + wide
 
 
 # `HeldBase`: the free part of a structure, and how acceleration of the base loads it.

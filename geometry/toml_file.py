@@ -6,7 +6,7 @@ import math
 import os
 import re
 import tomllib
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
@@ -41,11 +41,18 @@ KINDS = {
     "campaign": "a campaign.toml",
     "model": "a model file",
     "fe_model": "an FE model",
+    "kind": "a measurement file",
     "article": "the description of an article",
-    "kind": "a measurement file, or a structure whose keys belong below [fe_model]",
     "inertia": "a result file",
 }
 """What a file is that has the key, the first of them that it has."""
+
+STRUCTURES = ("frame", "mesh", "assembly", "matrices", "modal")
+"""Kinds that [fe_model] may have, and no file."""
+
+
+FOLDERS = {"campaign.toml": "a campaign", "test.toml": "a test"}
+"""Whose folder it is that holds the file."""
 
 
 def require_no_other(path: Path) -> None:
@@ -80,8 +87,8 @@ def read(name: str | Path, *, remedy: str = "Check the path") -> dict[str, Any]:
     if not name.strip():
         raise BadInput(source="file", problem=f"the name is empty, found {name!r}", remedy=remedy)
     if path.is_dir():
-        if (path / "campaign.toml").is_file():
-            said = "it is the folder of a campaign, where a file is needed"
+        if (whose := next((what for file, what in FOLDERS.items() if (path / file).is_file()), None)) is not None:
+            said = f"it is the folder of {whose}, where a file is needed"
             raise BadInput(source=name, problem=said, remedy=f"MODEL comes first and DATA behind it. {remedy}")
         raise BadInput(source=name, problem="it is a folder, where a file is needed", remedy=remedy)
     if path.is_char_device() or path.is_block_device():
@@ -102,7 +109,7 @@ def parse(text: str, name: str) -> dict[str, Any]:
 
     Raises
     ------
-    BadInput : not TOML or JSON (with the line), too deeply nested.
+    BadInput : not TOML or JSON (with the line), too deeply nested; a structure without its table.
     """
     form = "JSON" if name.lower().endswith(".json") else "TOML"
     try:
@@ -118,6 +125,9 @@ def parse(text: str, name: str) -> dict[str, Any]:
     if not isinstance(table, dict):
         raise BadInput(source=name, problem="must hold one JSON object", remedy="Put the values into {...}")
     _require_plain(table, name, DEEPEST)
+    if table.get("kind") in STRUCTURES:
+        problem = f"{table['kind']!r} is a structure, whose keys belong below [fe_model]"
+        raise BadInput(source=name, field="kind", problem=problem, remedy="Write the line [fe_model] above it")
     return table
 
 
@@ -223,6 +233,17 @@ def _too_deep(source: str) -> BadInput:
 def string(value: str) -> str:
     """`value` as a basic string of TOML: JSON's escapes are TOML's, but for one character that JSON leaves as it is."""
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def inline(value: Any, of_float: Callable[[float], str] = "{:.9g}".format) -> str:
+    """A value of TOML on one line, numbers as `of_float` writes them, by default to nine digits."""
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{string(key)} = {inline(one, of_float)}" for key, one in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(inline(one, of_float) for one in value) + "]"
+    if isinstance(value, str):
+        return string(value)
+    return of_float(value) if isinstance(value, float) else str(value).lower()
 
 
 # Tables of a user's file, checked at the door: no key that nobody reads, none missing, and the nearest name suggested.

@@ -382,12 +382,7 @@ ENDINGS = (*STEP_ENDINGS, *meshes.MESH_ENDINGS, ".toml")
 
 
 def load(
-    path: str | Path,
-    *,
-    unit: str | None = None,
-    material: str | None = None,
-    chord: float | None = None,
-    repair: bool = False,
+    path: str | Path, *, unit: str | None = None, material: str | None = None, chord: float | None = None, repair: bool = False
 ) -> UserArticle:
     """The article in the file or folder `path`, every mesh closed and checked, every body with its material.
 
@@ -419,11 +414,11 @@ def load(
 
 
 def require_file(path: str | Path) -> Path:
-    """The file that `path` is or, of a folder, its ``article.toml``; nothing in it is looked at.
+    """The file that `path` is or, of a folder, its ``article.toml``; parts that it names are not looked at.
 
     Raises
     ------
-    BadInput : there is none, it is a device, or one of its ending cannot be an article.
+    BadInput : there is none, it is a device, one of its ending cannot be an article, or a TOML that describes none.
     """
     path = Path(path)
     if not path.exists():
@@ -445,6 +440,8 @@ def require_file(path: str | Path) -> Path:
         raise BadInput(source=str(path), problem="it is a device or a pipe, where a file is needed", remedy="Check the path")
     if path.suffix.lower() not in ENDINGS:
         raise _unreadable(path)
+    if path.suffix.lower() == ".toml":
+        read(path)
     return path
 
 

@@ -197,11 +197,7 @@ class Reader:
         if len(self.problems.found) > before or size is None:
             return None
         return Channel(
-            **words,
-            places=places,
-            reference=reference,
-            senses_gravity=senses,
-            noise_rms=None if noise is None else noise * size,
+            **words, places=places, reference=reference, senses_gravity=senses, noise_rms=None if noise is None else noise * size
         )
 
     def places(self, entry: dict[str, Any], where: str, metres: float) -> tuple[Place, ...]:
@@ -331,18 +327,7 @@ def is_number(value: Any) -> bool:
 
 # The tables [[channel]] of ``campaign.toml``: one channel each, in metres and SI.
 
-CHANNEL = (
-    "name",
-    "quantity",
-    "unit",
-    "group",
-    "position",
-    "direction",
-    "cells",
-    "reference",
-    "senses_gravity",
-    "noise_rms",
-)
+CHANNEL = ("name", "quantity", "unit", "group", "position", "direction", "cells", "reference", "senses_gravity", "noise_rms")
 
 LONGEST_NAME = 80
 """Characters of a channel's name: the id line of a universal file has no more."""

@@ -227,12 +227,7 @@ class Expected:
 
 
 def expected(
-    evidence: Evidence,
-    settings: Settings,
-    fmd: Known,
-    *,
-    lost: bool = True,
-    progress: Callable[[float], None] | None = None,
+    evidence: Evidence, settings: Settings, fmd: Known, *, lost: bool = True, progress: Callable[[float], None] | None = None
 ) -> Expected:
     """What `evidence`, planned and exact, would tell.
 

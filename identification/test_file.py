@@ -1,7 +1,8 @@
 """A test of any structure as its TOML or a ``[[test]]`` of a model describes it, by its `kind`; functions for other programs."""
 
+import os
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import count
 from pathlib import Path
 from typing import Any, TypeVar
@@ -87,6 +88,39 @@ def table_of(test: ResponseFunctions | ModalTable, file: str) -> Mapping[str, An
     """The table by which a model reads `test` from the universal `file` beside it."""
     kind = RESPONSE_FUNCTIONS if isinstance(test, ResponseFunctions) else MODAL_TABLE
     return {"kind": kind, "article": test.article, "file": file}
+
+
+def seen(file: str | Path, out: Path, where: str) -> str:
+    """What a file at `out` calls `file`, which `where` names and which must lie in the folder of `out` or below."""
+    found = os.path.relpath(file, out.resolve().parent)
+    if found.startswith(".."):
+        problem = f"{file} does not lie in {out.resolve().parent} or below"
+        raise BadInput(source=where, problem=problem, remedy="Write what names it beside its data")
+    return found.replace(os.sep, "/")
+
+
+def moved(table: Mapping[str, Any], source: str, out: Path) -> dict[str, Any]:
+    """The `table` of a test in the file `source` as it stands in the model file `out`.
+
+    Raises
+    ------
+    BadInput : a file of it does not lie in the folder of `out` or below.
+    """
+
+    def renamed(value: Any) -> Any:
+        if isinstance(value, str):
+            return value if value.startswith("$") else seen(Path(source).resolve().parent / value, out, source)
+        if isinstance(value, list):
+            return [renamed({"path": one} if isinstance(one, str) else one) for one in value]
+        return {key: renamed(one) if key in ("file", "path") else one for key, one in value.items()}
+
+    tabled = {key for key in ("shapes", "frequencies") if isinstance(table.get(key), dict)}
+    return {key: renamed(one) if key in tabled | {"file", "files", "before"} else one for key, one in table.items()}
+
+
+def text(table: Mapping[str, Any], of_float: Callable[[float], str] = "{:.9g}".format) -> str:
+    """A test as it stands in a model file, numbers as `of_float` writes them."""
+    return "\n".join(["[[test]]", *(f"{key} = {toml_file.inline(value, of_float)}" for key, value in table.items())])
 
 
 # What was measured as signals for other programs: dynamic mass and response functions, each with its 95 % interval.

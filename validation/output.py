@@ -296,6 +296,10 @@ def require_ending(path: Path, endings: Sequence[str], what: str, example: str) 
         raise BadInput(source=str(path), field="--out", problem=problem, remedy=remedy)
 
 
+OF_FILES = (".html", ".htm", ".pdf", ".json", ".toml", ".csv", ".txt", ".png", ".svg")
+"""Endings of pages, tables and pictures, which no folder has."""
+
+
 def require_file(path: Path, option: str) -> None:
     """Refuse, before anything is computed, a file named by `option` that could not be written.
 
@@ -311,8 +315,12 @@ def require_folder(folder: Path, option: str) -> None:
 
     Raises
     ------
-    BadInput : see `require_file`.
+    BadInput : see `require_file`; one that is named like a page, a table or a picture.
     """
+    if folder.suffix.lower() in OF_FILES and not folder.is_dir():
+        problem = f"{folder} is named like a file, and several are written into a folder"
+        remedy = f"Name a new folder, such as {folder.with_suffix('')}; `massline report` writes one page"
+        raise BadInput(source=option, problem=problem, remedy=remedy)
     _tried(probe_folder, folder, option)
 
 

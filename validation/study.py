@@ -365,9 +365,9 @@ class Study:
 
         Raises
         ------
-        BadInput, CheckFailed : outside the meshes of all structures.
+        BadInput : outside the meshes of all structures.
         """
-        outside: dict[str, list[BadInput | CheckFailed | None]] = {place: [] for place in positions}
+        outside: dict[str, list[BadInput | None]] = {place: [] for place in positions}
 
         def made_ready(of: ReducedStructure) -> ReducedStructure:
             for place, said in outside.items():
@@ -376,9 +376,9 @@ class Study:
             return of.at(there, anew=anew) if there else of
 
         ready = self.over(made_ready)
-        for error in (said[0] for said in outside.values() if said and None not in said):
-            assert error is not None
-            raise error
+        for place, said in outside.items():
+            if said and None not in said and (error := said[0]) is not None:
+                raise BadInput(source=self.model.source, field=place, problem=error.problem, remedy=error.remedy)
         if not anew:
             return ready
         model = replace(self.model, looked_at=tuple(dict.fromkeys((*self.model.positions, *positions))))

@@ -705,12 +705,7 @@ TASK = "integrate the rig on its driven base"
 
 
 def respond(
-    rig: Rig,
-    motion: BaseMotion,
-    *,
-    solver: Solver = Solver(),
-    progress: Progress | None = None,
-    keep_coordinates: bool = False,
+    rig: Rig, motion: BaseMotion, *, solver: Solver = Solver(), progress: Progress | None = None, keep_coordinates: bool = False
 ) -> Response:
     """What `rig` does while the table follows `motion`, integrated by exudyn.
 

@@ -4,6 +4,7 @@
     kind = "frame"
     nodes = { foot = "0 m", floor-1 = "0.2 m", floor-2 = "0.4 m" }      # heights, or ["x", "y", "z"] each
     fixed = ["foot"]
+    support = "base"                                                    # what holds these; left out, the ground does
     moves = ["x"]                                                       # of all other nodes; everything where it is left out
     members = { walls-1 = ["foot", "floor-1"], walls-2 = ["floor-1", "floor-2"] }
     section = { width = "80 mm", thickness = "1 mm", across = "x", count = 2 }
@@ -25,31 +26,44 @@ import numpy as np
 
 from fem.beam import elements, frame
 from fem.gravity import STANDARD
-from fem.structure import Structure
+from fem.mesh.description import PartTable, Profile
+from fem.mesh.places import LINE, Block, Elements
+from fem.structure import Sparse, Structure
 from fem.user_model import parts
 from geometry import article, toml_file
 from geometry.errors import BadInput
-from geometry.frames import Array
+from geometry.frames import Array, Integers
 from geometry.inertia import Inertia
 
-KEYS = ("name", "kind", "nodes", "fixed", "moves", "members", "section", "material", "masses", "elements", "loss_factor", "down")
+KEYS = (
+    *("name", "kind", "nodes", "fixed", "support", "moves", "members", "section", "material", "masses", "elements"),
+    *("loss_factor", "down"),
+)
 SECTION = ("width", "thickness", "across", "count")
 MOTIONS = ("x", "y", "z", "rx", "ry", "rz")
+SUPPORTS = ("ground", "base", "free")
 
 HUB = "all@"
 """With which the name of a joint begins that is between a node and all members that meet there."""
+
+WEIGHTLESS = 1e-9
+"""[kg/m³] By which no member bows: what its own mass does between its ends is `elements`' to say, and no tolerance of a fit."""
 
 STIFF = 1e4
 """[1] Of the member's own: an end this stiff is clamped to four digits of a frequency, and what it gives more shows at once."""
 
 
 def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") -> Structure:
-    """The frame that `table` describes, on the ground where a node is fixed, else free.
+    """The frame that `table` describes, on the ground or a base where a node is fixed, else free.
+
+    On a base what does not move rides along with it.
 
     Raises
     ------
     BadInput : an unknown or missing key, a unit, a node that nobody names, a member of no length or across its own direction.
     """
+    from scipy.sparse import csr_array
+
     toml_file.require_known(table, KEYS, source=source, where=where)
     toml_file.require_present(table, ("nodes", "members", "section", "material"), source=source, where=where)
     nodes = {}
@@ -128,6 +142,12 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
     moves = table.get("moves", list(MOTIONS))
     for axis in moves if isinstance(moves, list) else [moves]:
         toml_file.one_of(axis, MOTIONS, source=source, where=f"{where}.moves")
+    support = toml_file.one_of(
+        table.get("support", "ground" if fixed else "free"), SUPPORTS, source=source, where=f"{where}.support"
+    )
+    if (support == "free") == bool(fixed):
+        problem = f"is {support!r}, and fixed nodes are {', '.join(fixed) or 'none'}"
+        raise BadInput(source=source, field=f"{where}.support", problem=problem, remedy="Correct one of them")
     held = [6 * k + m for k, name in enumerate(names) for m in range(6) if name in fixed or MOTIONS[m] not in moves]
     if not part_mass:
         raise BadInput(source=source, field=f"{where}.masses", problem="nothing has mass", remedy="State masses, or a density")
@@ -136,52 +156,66 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
     loads = STANDARD * np.sum(weights, axis=0)
     bent = [6 * k + m for k, name in enumerate(names) for m in range(6) if name in fixed]
     geometric = _geometric(plan, members, np.sum(list(made.stiffness.values()), axis=0), loads, bent, size, count) if bent else {}
-    free = np.setdiff1d(np.arange(size), held)
-    return _kept(
-        made, part_mass, geometric, names, free, count, grounded=bool(held), loss=parts.loss_factor(table, source, where)
+    free = np.setdiff1d(np.arange(size), [] if support == "base" else held)
+    loss = parts.loss_factor(table, source, where)
+    moments = (thickness**3 * width / 12, width**3 * thickness / 12, elements.rectangle_torsion(width, thickness))
+    profile = Profile(
+        sizes=tuple(count * size for size in (width * thickness, *moments)),
+        material=replace(material, density=WEIGHTLESS),
+        shear=2 * (elements.cowper_rectangle(material.poisson_ratio or 0.0),),
+    )
+    reach = max(width, thickness) / 2
+    beam = PartTable(material=material, section=profile, z_axis=across, reach=reach, loss_factor=loss, tolerance={})
+    carriers = _carriers(plan, beam, free, source)
+
+    def kept(matrix: Array, times: float = 1.0) -> Sparse:
+        return csr_array(times * matrix[np.ix_(free, free)])
+
+    parts_of = _names(members)
+    stiffness = {name: kept(K, count) for name, K in made.stiffness.items()}
+    weighing = {name: kept(M, count if name in parts_of else 1.0) for name, M in part_mass.items()}
+    shown = [*range(len(names)), *(node for one in members for node in one.nodes[1:-1])]
+    freedoms = carriers.own.reshape(-1, 6)[shown]
+    return Structure(
+        stiffness=sum(stiffness.values()),
+        mass=sum(weighing.values()),
+        elements=carriers,
+        rigid=made.rigid[free],
+        held=np.array(held if support == "base" else [], dtype=np.intp),
+        points=plan.nodes[shown],
+        translations=freedoms[:, :3],
+        rotations=freedoms[:, 3:],
+        part_stiffness=stiffness,
+        part_mass=weighing,
+        loss_factors=dict.fromkeys(parts_of, loss) if loss else {},
+        grounded=bool(held) and support != "base",
+        joints=tuple(name for name in made.stiffness if name not in parts_of),
+        places={name: carriers.node(k)[:3] for k, name in enumerate(names) if (freedoms[k, :3] >= 0).any()},
+        geometric={name: kept(K) for name, K in geometric.items()},
     )
 
 
-def _kept(
-    made: frame.Frame,
-    part_mass: Mapping[str, Array],
-    geometric: Mapping[str, Array],
-    names: list[str],
-    free: Any,
-    count: int,
-    *,
-    grounded: bool,
-    loss: float | None,
-) -> Structure:
-    """The structure on the degrees of freedom that are `free`, `count` sections side by side."""
+def _carriers(plan: frame.Plan, beam: PartTable, free: Integers, source: str) -> Elements:
+    """What carries a point of the members of `plan`, each a `beam`, on the degrees of freedom that are `free`."""
     from scipy.sparse import csr_array
 
-    members = _names(list(made.plan.members))
-
-    def kept(matrix: Array, times: float = 1.0) -> Any:
-        return csr_array(times * matrix[np.ix_(free, free)])
-
-    stiffness = {name: kept(K, count) for name, K in made.stiffness.items()}
-    mass = {name: kept(M, count if name in members else 1.0) for name, M in part_mass.items()}
-    position = {dof: k for k, dof in enumerate(free.tolist())}
-    places = {}
-    for k, name in enumerate(names):
-        there = [(m, position[6 * k + m]) for m in range(3) if 6 * k + m in position]
-        if there:
-            rows, columns = zip(*there, strict=True)
-            places[name] = csr_array((np.ones(len(there)), (rows, columns)), shape=(3, len(free)))
-    return Structure(
-        stiffness=sum(stiffness.values()),
-        mass=sum(mass.values()),
-        rigid=made.rigid[free],
-        held=np.zeros(0, dtype=np.intp),
-        part_stiffness=stiffness,
-        part_mass=mass,
-        loss_factors=dict.fromkeys(members, loss) if loss else {},
-        grounded=grounded,
-        joints=tuple(name for name in made.stiffness if name not in members),
-        places=places,
-        geometric={name: kept(K) for name, K in geometric.items()},
+    size, blocks, begin = 6 * len(plan.nodes), list[Block](), 1
+    own = np.full(size, -1)
+    own[free] = np.arange(len(free))
+    for one in plan.members:
+        ends = np.column_stack([one.nodes[:-1], one.nodes[1:]])
+        blocks.append(Block(part=one.part, kind=LINE, tags=begin + np.arange(len(ends)), nodes=ends))
+        begin += len(ends)
+    return Elements(
+        source=source,
+        node_tags=np.zeros(len(plan.nodes), dtype=np.intp),
+        points=plan.nodes,
+        blocks=tuple(blocks),
+        parts={one.part: beam for one in blocks},
+        first=6 * np.arange(len(plan.nodes)),
+        turning=np.ones(len(plan.nodes), dtype=np.bool_),
+        own=own,
+        carried=csr_array((np.ones(len(free)), (free, own[free])), shape=(size, len(free))),
     )
 
 

@@ -127,14 +127,7 @@ def as_complex(real: npt.ArrayLike, imaginary: npt.ArrayLike) -> Samples:
     return found
 
 
-FORMATS = {
-    ".uff": "uff",
-    ".unv": "uff",
-    ".h5": "hdf5",
-    ".hdf5": "hdf5",
-    ".csv": "csv",
-    ".mat": "mat",
-}
+FORMATS = {".uff": "uff", ".unv": "uff", ".h5": "hdf5", ".hdf5": "hdf5", ".csv": "csv", ".mat": "mat"}
 """Ending of a file, in lower case, and the module of this package that reads and writes it."""
 
 

@@ -28,15 +28,7 @@ from identification.files.hdf5 import SIGNATURE, datasets, opened, values
 HEADER = 128
 MATRIX, COMPRESSED = 14, 15
 DOUBLE, SINGLE = 6, 7
-CLASSES = {
-    1: "a cell array",
-    2: "a structure",
-    3: "an object",
-    4: "text",
-    5: "a sparse array",
-    16: "a function",
-    17: "an object",
-}
+CLASSES = {1: "a cell array", 2: "a structure", 3: "an object", 4: "text", 5: "a sparse array", 16: "a function", 17: "an object"}
 """Classes of variables that hold no signal."""
 
 SIZES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8, 16: 1, 17: 2, 18: 4}

@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 
+import numpy as np
 import pytest
 
 from validation.cli import main
@@ -109,3 +110,42 @@ def test_noise_that_is_stated_too_small_everywhere_is_one_warning(run, campaign)
 )
 def test_what_was_mistaken_is_said_at_every_door(refused, campaign, arguments, words):
     assert words in refused(*arguments)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("compare", "model.toml", "test"),
+        ("diagnose", "model.toml", "test"),
+        ("identify", "test"),
+        ("pretest", "fmd+cuboid"),
+        ("ladder", "model.toml"),
+        ("simulate", "fmd+cuboid"),
+        ("correct", "test", "polarity:fmd-z2"),
+        ("swing", "cuboid"),
+    ],
+    ids=lambda arguments: arguments[0],
+)
+def test_what_is_named_like_a_page_or_is_a_file_is_no_folder(refused, campaign, arguments):
+    said = refused(*arguments, "--out", "out/x.html")
+    assert "x.html is named like a file, and several are written into a folder. Name a new folder, such as out/x;" in said
+    assert not (campaign.parents[1] / "out").exists()
+    (campaign.parents[1] / "taken").write_text("a file")
+    assert "--out: taken cannot be written: Not a directory" in refused(*arguments, "--out", "taken")
+
+
+def test_coordinates_are_asked_of_a_structure_that_has_none(refused, tmp_path):
+    """A mistake of who asks, and no failed check of the model: it had ended with 1."""
+    np.savez(tmp_path / "pair.npz", stiffness=[[3e4, -1e4], [-1e4, 1e4]], mass=np.eye(2))
+    (tmp_path / "pair.toml").write_text(
+        'format = 1\nmodel = { title = "Two masses", article = "pair" }\n'
+        '[fe_model]\nkind = "matrices"\nfile = "pair.npz"\nunits = "m-kg-N-s"\nsupport = "ground"\n'
+        "places = { low = { dof = [0, -1, -1] }, high = { dof = [1, -1, -1] } }\n"
+        '[[test]]\nkind = "modal-table"\narticle = "pair"\nfrequencies = [12.0, 29.0]\nfrequency_deviation = 0.01\n'
+    )
+    said = refused("add", "pair.toml", "point-mass:@0,0,0.2")
+    assert (
+        "pair.toml: `@0,0,0.2`: has no known motion: the structure has no coordinates. A place is named there: low, high" in said
+    )
+    said = refused("add", "pair.toml", "point-mass:hihg")
+    assert "`point-mass:hihg`: nothing is called 'hihg' there. Did you mean high? It has low, high" in said

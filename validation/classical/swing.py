@@ -114,11 +114,7 @@ class Setup:
         off_centre = self.off_centre if effect == "off-centre" else (0.0, 0.0)
         ideal = {"length": s.length, "amplitude": SMALL, "start": s.start, **fields.get(effect or "", {})}
         return replace(
-            self,
-            off_centre=off_centre,
-            suspension=suspended(self.radii, self.height, off_centre, **ideal),
-            noise=0.0,
-            step=None,
+            self, off_centre=off_centre, suspension=suspended(self.radii, self.height, off_centre, **ideal), noise=0.0, step=None
         )
 
 

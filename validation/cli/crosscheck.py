@@ -246,12 +246,7 @@ def effects_command(names: tuple[str, ...], as_json: bool) -> None:
 @click.option("--go", type=int, metavar="RUNG", help="Go to this rung first: MODEL is rewritten as it was there.")
 @click.option("--plot/--no-plot", default=True, show_default=True, help="Draw the falling errors and the inertia.")
 @click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    default=Path("out"),
-    show_default=True,
-    metavar="DIR",
-    help="Where the pictures go.",
+    "--out", type=click.Path(path_type=Path), default=Path("out"), show_default=True, metavar="DIR", help="Where the pictures go."
 )
 @options.JSON
 def ladder_command(model: Path, go: int | None, plot: bool, out: Path, as_json: bool) -> None:
@@ -380,10 +375,7 @@ def model_command(
 @click.option("--pdf", is_flag=True, help="Print it to a PDF beside it as well, by Chromium or what MASSLINE_BROWSER names.")
 @click.option("--by", default="", metavar="NAME", help="Who made it: stands above the first signature line.")
 @click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    metavar="FILE.html",
-    help="Where the page goes.  [default: out/, named after MODEL]",
+    "--out", type=click.Path(path_type=Path), metavar="FILE.html", help="Where the page goes.  [default: out/, named after MODEL]"
 )
 def report_command(no_diagnosis: bool, pdf: bool, by: str, out: Path | None, **given: Any) -> None:
     """A report of MODEL and DATA as one HTML file that needs no network: figures to look into, tables that copy, room to sign.

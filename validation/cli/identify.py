@@ -127,7 +127,6 @@ def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool, 
     path, described = Path(campaign), campaign.lower().endswith(".toml")
     if described or path.is_file():  # what a folder holds is said without models, half of what there is to import
         from identification import test_file
-        from validation.model import model_file
         from validation.study import tests_in
 
         if (tests := tests_in(path)) is not None:
@@ -135,7 +134,7 @@ def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool, 
                 raise BadInput(source="--view", problem="a test has no drawing of sensors", remedy="Leave it out")
             answer.show_tests(campaign, tests, as_json=as_json, out=out)
             if not described and not as_json:
-                tables = [model_file.test_table(test_file.table_of(one, path.name)) for one in tests]
+                tables = [test_file.text(test_file.table_of(one, path.name)) for one in tests]
                 click.echo("\n\n".join(("\nA model reads it by", *tables)))
             return
     with shown(f"reading {campaign}", quiet=as_json):

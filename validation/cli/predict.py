@@ -36,16 +36,14 @@ def modes_command(
     """
     from validation.flexible.model import chosen, flexible, require_model, require_used
     from validation.output import shown
-    from validation.report.flexible import print_modes, require_drawable, require_mode
+    from validation.report.flexible import print_modes, require_drawable
 
     models = chosen(article, model, against)
     names = [require_model(article, m, option) for m, option in zip(models, ("--model", "--against"), strict=False)]
     question = options.flexible_asked(count=count, counted="--count", **asked)
     require_used(article, names, question)
     if shapes or moving is not None:
-        require_drawable(article, names[0])
-    if moving is not None:
-        require_mode(moving, count)
+        require_drawable(article, names[0], moving, count)
     found = []
     for name, which in zip(names, models, strict=True):
         with shown(f"modes of {article}, {name} model", quiet=as_json):
@@ -170,10 +168,12 @@ def excite_command(
     ARTICLE is a built-in part or a stack of them (clumod-1, fmd+clumod-1), a STEP file of your own (--model solid) or your own FE
     model (.h5, .npz, .op4 ... or its .toml). Nominal levels are 2.5 m/s² along x, y, z, 3 rad/s² about x, y and 6 rad/s² about z.
     """
-    from validation.excite.question import ExciteOptions, attached, drive, require_rate, require_route
+    from geometry.toml_file import one_of
+    from validation.excite.question import ROUTES, ExciteOptions, attached, drive, require_rate
     from validation.report.excite import Wanted, excite
 
-    require_route(given["route"])
+    if given["route"] is not None:
+        one_of(given["route"], ROUTES, source="--route", where="")
     require_rate(given["rate"])
     count = given["count"]
     driven = ("axes", "every", "pattern", "band", "octaves_per_minute", "duration", "level", "cross", "seed", "ring_down")

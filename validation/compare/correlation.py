@@ -329,8 +329,6 @@ def modes_of(prediction: StructurePrediction, offsets: Offsets) -> tuple[NamedMo
 
     The last of them stand for the static answer of all others.
     """
-    from scipy.linalg import eigh
-
     if prediction.structure is None:
         return ()
     matrices, _ = prediction.structure.at(offsets, derivatives=False)
@@ -339,13 +337,9 @@ def modes_of(prediction: StructurePrediction, offsets: Offsets) -> tuple[NamedMo
     if not own.size:
         return ()
     K, M, C, S = (one[np.ix_(own, own)] for one in (matrices.stiffness, matrices.mass, matrices.viscous, matrices.structural))
-    if matrices.base:
-        squares, shapes = eigh(K, M)
-    else:
-        of = modal_table.real_modes(matrices)
-        moving = np.isfinite(of.squares)
-        squares, shapes = of.squares[moving], of.shapes[:, moving]
-    omega, shapes = np.sqrt(np.maximum(squares, 0.0)), np.asarray(shapes)
+    squares, shapes = modal_table.real_pairs(K, M)
+    moving = np.isfinite(squares)  # the others have no mass
+    omega, shapes = np.sqrt(np.maximum(squares[moving], 0.0)), shapes[:, moving]
     zeta = (_energy(C, shapes) + _energy(S, shapes) / np.maximum(omega, 1e-12)) / np.maximum(2 * omega, 1e-12)
     # By mode the part with the largest share of strain energy; empty words where the model does not say
     shares: dict[str, Array] = {}

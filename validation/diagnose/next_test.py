@@ -455,7 +455,7 @@ def advised(data: Study, rivals: Sequence[Candidate], progress: Progress | None 
             looked.append(Forecast(offer=offer, gains=told(offer, first, others)))
         tell(LOOKING * (k + 1) / len(offers))
     with suppress(*BREAKDOWNS):
-        looked += pick_ups(rivals) if len(rivals) > 1 else ()
+        looked += (one for one in pick_ups(rivals) if round(one.gain, 1)) if len(rivals) > 1 else ()
     useful = _kept(sorted(looked, key=lambda one: one.rank), first, others, lambda share: tell(LOOKING + (1 - LOOKING) * share))
     found = tuple(
         Advice(

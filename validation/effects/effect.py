@@ -116,6 +116,7 @@ class Family:
     example : one that can be typed
     stage : of `STAGES`, what it changes
     change : its equation; None where a parameter of its name is opened
+    limits : least and greatest size on a structure, at a point (3,) [m] of it where that is known, along a direction (3,)
     straight : of what it changes a size over a small part of which the equation is a straight line; None where any is
     tolerance : what a careful laboratory admits of it, one standard deviation in its unit; 0 for nothing
     equation : in one line, as in a paper
@@ -138,6 +139,7 @@ class Family:
     example: str
     stage: str = OPENED
     change: Change | None = None
+    limits: Callable[[Any, Any, Any], tuple[float, float]] | None = None
     straight: Callable[[Any, tuple[str, ...], Values], float] | None = None
     tolerance: float = 0.0
     equation: str = ""

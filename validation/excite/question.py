@@ -336,17 +336,6 @@ def require_rate(rate: float) -> None:
     _within("--rate", rate, 1.0, HIGHEST_RATE, "Write for example 1024")
 
 
-def require_route(route: str | None) -> None:
-    """Refuse a route that there is not.
-
-    Raises
-    ------
-    BadInput : it is none of `ROUTES`.
-    """
-    if route is not None:
-        toml_file.one_of(route, ROUTES, source="--route", where="")
-
-
 def _within(option: str, value: float, low: float, high: float, remedy: str) -> None:
     if not low <= value <= high:
         raise BadInput(source=option, problem=f"must lie between {low:g} and {high:g}, found {value:g}", remedy=remedy)

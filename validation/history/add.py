@@ -10,6 +10,7 @@ import numpy as np
 
 from geometry.atomic import probe
 from geometry.errors import BadInput, CheckFailed
+from geometry.toml_file import nearest
 from identification.campaign import Campaign
 from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, Named
@@ -157,12 +158,13 @@ def candidate(added: Added, left: Sequence[str], study: Study, *, allowed: bool)
     names = names_of(after, named)
     if not (noticed(after, names) > NOTICED if names else _differ(before, after)):
         by_itself = "; they are tests of a structure by itself, without a base, an FMD or its cells" if not study.made else ""
-        raise BadInput(
-            source=ARGUMENT,
-            field=named.id,
-            problem=f"it acts nowhere on these data: no channel would read anything else{by_itself}",
-            remedy="Name data of an article that has it, or of a run that drives it",
-        )
+        problem = f"it acts nowhere on these data: no channel would read anything else{by_itself}"
+        remedy = "Name data of an article that has it, or of a run that drives it"
+        known = {name: None for there in study.there for name in catalogue.known(named, there)} if named.targets else {}
+        if catalogue.is_local(named) and known and named.target not in known:
+            problem = f"nothing is called {named.target!r} there"
+            remedy = f"{nearest(named.target, known)}It has {', '.join(list(known)[:20])}"
+        raise BadInput(source=ARGUMENT, field=named.id, problem=problem, remedy=remedy)
     # Every effect of the models free, those too whose size was given
     every = tuple(replace(each, fixed=False) for each in (*study.model.effects, added))
     made = tuple(one.with_effects(every) for one in (*study.made, *study.tests))

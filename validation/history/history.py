@@ -352,7 +352,7 @@ _TEN = {
 
 def path_beside(model: Path) -> Path:
     """The ladder of the file `model`."""
-    return model.with_suffix(ENDING)
+    return model.parent / f"{model.stem}{ENDING}"
 
 
 def read(path: Path) -> Ladder:

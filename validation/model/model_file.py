@@ -27,6 +27,7 @@ from geometry.inertia import Inertia, judge, parallel_axis, six_from_tensor, ten
 from geometry.sensors import Tolerances
 from geometry.toml_file import nearest, string
 from geometry.user_article import DESCRIPTION
+from identification import test_file
 from identification.load_cells import assumed_stiffness
 from identification.response_functions import GAIN
 from validation.classical.files import Fields
@@ -299,7 +300,8 @@ def of_table(table: dict[str, Any], source: str) -> Model:
     if "model" not in table:
         kind = toml_file.kind_of(table)
         what = f"this is {kind}" if kind else "the table [model] is missing"
-        remedy = f"{nearest('model', list(table))}`massline model ARTICLE --out FILE` writes one"
+        alike = [key for key, one in table.items() if isinstance(one, dict) and {*one} & {*MODEL}]
+        remedy = f"{nearest('model', alike)}`massline model ARTICLE --out FILE` writes one"
         if STRUCTURE_FILE[0] in table:
             remedy = f"`massline model {source} --test TEST --out STUDY` writes one for both; without --test, one to simulate"
         raise BadInput(source=source, field="model", problem=f"{what}, where a model file is needed", remedy=remedy)
@@ -462,7 +464,6 @@ def study_text(path: str, tests: Sequence[str], out: Path) -> str:
     """
     from fem.structure import Structure
     from fem.user_model import reading
-    from identification import test_file
 
     if not Path(path).is_file() or not reading.is_model(path):
         problem = "it is no FE model of your own"
@@ -472,32 +473,13 @@ def study_text(path: str, tests: Sequence[str], out: Path) -> str:
         problem = "is known by modal data alone, which have no places"
         raise BadInput(source=path, problem=problem, remedy="Bring its matrices, its mesh or a frame")
 
-    def seen(file: str, where: str) -> str:
-        found = os.path.relpath(file, out.resolve().parent)
-        if found.startswith(".."):
-            problem = f"{file} does not lie in {out.resolve().parent} or below"
-            raise BadInput(source=where, problem=problem, remedy="Write the study beside its data")
-        return found.replace(os.sep, "/")
-
     tables, articles = list[dict[str, Any]](), dict[str, str]()
     own = re.sub(r"[^A-Za-z0-9_-]+", "-", Path(path).stem)
     for name in tests:
-
-        def moved(value: Any, name: str = name) -> Any:
-            if isinstance(value, str):
-                return value if value.startswith("$") else seen(str(Path(name).resolve().parent / value), name)
-            return (
-                [moved({"path": one} if isinstance(one, str) else one) for one in value]
-                if isinstance(value, list)
-                else {key: moved(one) if key in ("file", "path") else one for key, one in value.items()}
-            )
-
         for table in test_file.tables(name, own):
             articles.setdefault(test_file.read(name, table).article, name)
-            tabled = {key for key in ("shapes", "frequencies") if isinstance(table.get(key), dict)}
-            of_files = tabled | {"file", "files", "before"}
-            changed: dict[str, Any] = {key: moved(table[key]) for key in of_files & table.keys()}
-            tables.append({key: changed.get(key, value) for key, value in table.items() if key not in ("format", "article")})
+            moved = test_file.moved(table, name, out)
+            tables.append({key: one for key, one in moved.items() if key not in ("format", "article")})
     if len(articles) > 1:
         problem = f"they are of {' and of '.join(articles)}"
         raise BadInput(source="--test", problem=problem, remedy="Write a study for each")
@@ -505,24 +487,8 @@ def study_text(path: str, tests: Sequence[str], out: Path) -> str:
     stated = toml_file.read(path).get("model", {}) if Path(path).suffix == ".toml" else {}
     title = string(str(stated.get("title", structure.name)))
     lines = ["format = 1", f"model = {{ title = {title}, article = {string(article)} }}"]
-    lines.append(f"structure = {{ own = {{ {string(article)} = {string(seen(path, 'ARTICLE'))} }} }}")
-    return "\n".join([*lines, *("\n" + test_table(table) for table in tables)]) + "\n"
-
-
-def test_table(table: Mapping[str, Any]) -> str:
-    """A test as it stands in a model file."""
-    return "\n".join(["[[test]]", *(f"{key} = {inline(value)}" for key, value in table.items())])
-
-
-def inline(value: Any) -> str:
-    """A value of TOML on one line, numbers to nine digits."""
-    if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{string(key)} = {inline(one)}" for key, one in value.items()) + " }"
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(inline(one) for one in value) + "]"
-    if isinstance(value, str):
-        return string(value)
-    return f"{value:.9g}" if isinstance(value, float) else str(value).lower()
+    lines.append(f"structure = {{ own = {{ {string(article)} = {string(test_file.seen(path, out, 'ARTICLE'))} }} }}")
+    return "\n".join([*lines, *("\n" + test_file.text(table) for table in tables)]) + "\n"
 
 
 # A model file to start from: an article as it is drawn, in an ordinary laboratory, with nothing added.
@@ -546,7 +512,11 @@ def draft(article: str, out: Path | None = None) -> Model:
         except BadInput:
             is_model_file = path.name != DESCRIPTION  # `read` says what is wrong with it
         if is_model_file:
-            return read(article)
+            found, at = read(article), out or Path("model.toml")
+            if article in found.own.values() and at.resolve() == path.resolve():
+                problem = "the structure that it describes would not be in it any more"
+                raise BadInput(source=str(out), field="--out", problem=problem, remedy="Name another file")
+            return replace(found, source=str(at), tests=tuple(test_file.moved(one, article, at) for one in found.tests))
     from fem.user_model.reading import is_model
     from geometry.user_article import require_file
 
@@ -563,7 +533,8 @@ def draft(article: str, out: Path | None = None) -> Model:
             raise BadInput(source=article, problem="there is no such file", remedy="Check the path")
         name = path.parent.resolve().name if path.name == DESCRIPTION else path.stem
         stated = toml_file.read(path).get(STRUCTURE_FILE[0]) if path.suffix.lower() == ".toml" else None
-        by_itself = isinstance(stated, dict) and (stated.get("kind") == "frame" or stated.get("support", "base") != "base")
+        usual = "ground" if isinstance(stated, dict) and stated.get("kind") == "frame" else "base"
+        by_itself = isinstance(stated, dict) and stated.get("support", usual) != "base"
         article, title = (name, name) if by_itself else (f"{KNOWN_FMD}+{name}", f"{name} on the FMD")
         own = {article: str(path)}
     return Model(source=str(out or "model.toml"), title=title, article=article, fmd_tolerance=Tolerances().fmd_inertia, own=own)
@@ -740,6 +711,7 @@ def text(model: Model) -> str:
         block(_FMD, [*known, ("tolerance", number(model.fmd_tolerance), "")]),
         block("# What is not known of the measurement chain, one standard deviation each; 0 is exact.\n[tolerances]", tolerances),
         *_structure(model),
+        *(test_file.text(one, number) for one in model.tests),
         "# Effects that were added, in the order in which they act; `massline add` writes them, `massline undo` takes them out.",
         *(effect_text(one) for one in model.effects),
     ]

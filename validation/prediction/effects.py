@@ -12,9 +12,10 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from fem.damping import ASSUMED_WITHIN, DEFAULT_RATIO
-from fem.structure import position_of, removable
+from fem.structure import Structure, position_of
 from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.frames import Array
 from validation.effects.catalogue import FAMILIES, Named, There, acts, there
@@ -600,6 +601,8 @@ def opened(parameters: Sequence[Parameter], effects: Sequence[Added]) -> tuple[t
             (size,) = added.named.sizes
             start = one.offset(added.named.value)
             low, high = bounds(one, size)
+            if _family(added.named).limits is not None:  # which the parameter has from the structure
+                low, high = max(low, one.low), min(high, one.high)
             left.append(
                 replace(one, tolerance=one.plausible or size.plausible, kind=EFFECT, start=start, within=inf, low=low, high=high)
             )
@@ -703,10 +706,6 @@ def _free(added: Added) -> tuple[SizeSpec, ...]:
 
 def _parameter(named: Named, size: SizeSpec, structure: Nuisances | None = None) -> Parameter:
     value = named.values[size.key]
-    if structure is not None and structure.reduced is not None and (named.family, size.unit) == ("point-mass", "kg"):
-        whole, at = structure.reduced.structure, position(named.target)
-        known = position_of(whole, named.target) if at is None and named.target in whole.places else at
-        size = replace(size, low=max(size.low, min(value, -removable(whole, known))))
     made = Parameter(
         name=name(named, size.key),
         unit=size.unit,
@@ -717,7 +716,20 @@ def _parameter(named: Named, size: SizeSpec, structure: Nuisances | None = None)
         start=0.0 if size.logarithmic else value - size.null,
     )
     low, high = bounds(made, size)
-    return replace(made, low=low, high=high)
+    made = replace(made, low=low, high=high)
+    if structure is None or structure.reduced is None or not named.targets:
+        return made
+    return limited(made, structure.reduced.structure, position(named.target) or named.target)
+
+
+def limited(one: Parameter, whole: Structure, at: npt.ArrayLike | str, direction: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Parameter:
+    """`one`, of an effect `at` a place of a structure, a name or (3,) [m], and along `direction`, within what its family allows
+    there; where it stands is always allowed."""
+    if (limits := FAMILIES[one.family].limits) is None:
+        return one
+    point = (position_of(whole, at) if at in whole.places else None) if isinstance(at, str) else np.asarray(at)
+    low, high = limits(whole, point, np.asarray(direction))
+    return replace(one, low=max(one.low, min(one.start, low)), high=min(one.high, max(one.start, high)))
 
 
 def bounds(one: Parameter, size: SizeSpec) -> tuple[float, float]:

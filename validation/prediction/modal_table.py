@@ -160,7 +160,13 @@ class RealModes:
 
 
 def real_modes(matrices: Matrices) -> RealModes:
-    """Modes of `matrices`, all of whose coordinates move, without their losses.
+    """Modes of `matrices`, all of whose coordinates move, without their losses; as `real_pairs`."""
+    squares, shapes = real_pairs(matrices.stiffness, matrices.mass)
+    return RealModes(matrices=matrices, squares=squares, shapes=shapes)
+
+
+def real_pairs(K: Array, M: Array) -> tuple[Array, Array]:
+    """omega² (k,), ascending, and shapes (k, k) of stiffness `K` and mass `M` (k, k).
 
     They are those of the mass in the energy A = K + s M, of which a floating body has some, too: what has no mass is a mode of
     infinite frequency there.
@@ -171,14 +177,12 @@ def real_modes(matrices: Matrices) -> RealModes:
     """
     from scipy.linalg import eigh
 
-    K, M = matrices.stiffness, matrices.mass
     shift = SHIFTED * np.trace(K) / np.trace(M)
     shares, shapes = eigh(M, K + shift * M)
     shares, shapes = shares[::-1], shapes[:, ::-1]
     moving = shares > MASSLESS * shares[0]
     root = np.sqrt(np.where(moving, shares, 1.0))
-    squares = np.where(moving, 1 / root**2 - shift, np.inf)
-    return RealModes(matrices=matrices, squares=squares, shapes=shapes / root)
+    return np.where(moving, 1 / root**2 - shift, np.inf), shapes / root
 
 
 def seen(matrices: Matrices, table: ModalTable) -> Array:
@@ -485,7 +489,7 @@ class TableShapes(_TablePart):
     def _opened(self) -> tuple[tuple[Parameter, ...], Offsets]:
         gains = [Parameter(name=name, unit="1", tolerance=self.table.gain) for name in self._gains if self.table.gain > 0]
         asked = points.asked(self.effects, points.RESPONSES)
-        moved = points.possible(self.structure.nominal, self.table.sensors, (), asked, points.EXACT)
+        moved = points.possible(self.structure, self.table.sensors, (), asked, points.EXACT)
         left, given = prediction_effects.opened([*self.structure.parameters, *gains, *moved], self.effects)
         return (*left, *prediction_effects.parameters(self.effects, self.structure)), given
 

@@ -267,7 +267,7 @@ def _unread(recipe: "_Recipe", source: str, name: str, place: str) -> str:
     """Why the accelerometer `name` of the campaign in `source` is not used: nobody knows what moves at its `place`."""
     model = users_model(recipe.own, recipe.stamp).model
     error = lacking(model, place) if isinstance(model, Structure) else None
-    problem = error.problem if isinstance(error, BadInput) else "has no known motion: the model has no coordinates"
+    problem = error.problem if error is not None else "has no known motion: the model has no coordinates"
     at = ", ".join(f"{1e3 * value:.5g}" for value in position(place) or ())
     return (
         f"accelerometer {name} in {source} is not used: at ({at}) mm from the origin of {recipe.article}, along its axes, it "

@@ -21,6 +21,7 @@ from validation.effects.stages import Matrices
 from validation.estimation.problem import Offsets, Parameter
 from validation.model.model import Added
 from validation.prediction import dynamic_mass
+from validation.prediction.effects import Nuisances, limited
 
 RESPONSES = ("accelerometer-misalignment", "accelerometer-position", "wrong-direction", "wrong-place")
 DRIVES = ("force-misalignment", "force-position", "wrong-reference")
@@ -64,24 +65,25 @@ def uncertain(points: Sequence[Point], families: Sequence[str], effects: Sequenc
 
 
 def possible(
-    matrices: Matrices, points: Sequence[Point], others: Sequence[Point], names: Sequence[str], tolerances: Tolerances
+    structure: Nuisances, points: Sequence[Point], others: Sequence[Point], names: Sequence[str], tolerances: Tolerances
 ) -> list[Parameter]:
-    """Parameters `names` of `points` that change anything.
+    """Parameters `names` of `points` that change anything; none of them takes its point off the structure.
 
     Parameters
     ----------
     others : points at which a force may have acted instead
     tolerances : of what is not asked for by an effect
     """
-    changes = rows(matrices, points, others, names, {}).changes
-    families = {name: name.partition(":")[0] for name in changes}
-    return [
-        Parameter(
-            name=name, unit=FAMILIES[families[name]].sizes[0].unit, tolerance=tolerance_of(families[name], tolerances) or 1.0
-        )
-        for name, (_, row) in changes.items()
-        if np.any(row)
-    ]
+    found = []
+    for name, (k, row) in rows(structure.nominal, points, others, names, {}).changes.items():
+        if np.any(row):
+            family, word = name.partition(":")[0], name.rpartition(":")[2]
+            unit, tolerance = FAMILIES[family].sizes[0].unit, tolerance_of(family, tolerances) or 1.0
+            one = Parameter(name=name, unit=unit, tolerance=tolerance)
+            if structure.reduced is not None:
+                one = limited(one, structure.reduced.structure, points[k].place, AXES.get(word, (0.0, 0.0, 0.0)))
+            found.append(one)
+    return found
 
 
 def stated(matrices: Matrices, points: Sequence[Point]) -> Array:

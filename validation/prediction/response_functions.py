@@ -432,10 +432,9 @@ class ResponseFunctionTest:
         """The parameters, and the offsets of those that stand at a given size."""
         # The offset of a gain that is known to a tolerance is what it is beyond 1, as the effect of its name has it
         gains = [replace(one, nominal=one.nominal - (not one.logarithmic)) for one in self._factors.values() if one.tolerance > 0]
-        nominal = self.structure.nominal
         here, there = self._moved
-        moved = points.possible(nominal, self.responses, (), here, self.tolerances)
-        moved += points.possible(nominal, self.drives, self.responses, there, self.tolerances)
+        moved = points.possible(self.structure, self.responses, (), here, self.tolerances)
+        moved += points.possible(self.structure, self.drives, self.responses, there, self.tolerances)
         moved += [
             Parameter(name=f"{LOCAL}:{one.name}", unit="1", tolerance=POINT)
             for one, compliance in zip(self.drives, self._local.T, strict=True)

@@ -22,7 +22,7 @@ import numpy.typing as npt
 from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers
-from geometry.sensors import Channel, Place
+from geometry.sensors import AXES, Channel, Place
 from identification.campaign import Campaign, Processing
 from identification.chain import Chain, chain
 from identification.load_cells import LOSES, LOSS
@@ -31,7 +31,16 @@ from identification.spectra.line_spectra import Spectra, hann
 from identification.spectra.noise import of_block, of_full_record
 from identification.spectra.of_campaign import OTHERWISE, between, by_level, lines_of, spectra, stated_drives
 from validation.effects.catalogue import FAMILIES, There, acts
-from validation.effects.effect import AMPLITUDE, BODY_STAGE, CHANNEL_STAGE, NOISE_STAGE, OPENED, PROCESSING, STRUCTURE_STAGE
+from validation.effects.effect import (
+    AMPLITUDE,
+    BODY_STAGE,
+    CHANNEL_STAGE,
+    NOISE_STAGE,
+    OPENED,
+    PROCESSING,
+    STRUCTURE_STAGE,
+    position,
+)
 from validation.effects.stages import ChannelResponse, NoiseModel, leak
 from validation.estimation import problem
 from validation.estimation.fit import FLOOR
@@ -397,6 +406,10 @@ class TestedCampaign:
             for one in of.parameters:  # what is offset by its logarithm is 1 + its relative change there
                 if one.channels and unread.issuperset(one.channels):
                     continue  # of no pick-up, nor of a board that has none
+                standing, (_, name, word) = carried.standing, f"{one.name}::".split(":")[:3]
+                if standing.reduced is not None and name in standing.sensors:  # it cannot leave what it sits on
+                    place, way = position(standing.sensors[name]), standing.pose.rotation.T @ AXES.get(word, (0.0, 0.0, 0.0))
+                    one = prediction_effects.limited(one, standing.reduced.structure, place or "", way)
                 own.append(replace(one, channels=(), kind=KINDS.get(one.family, problem.SENSOR)))
             # Without load cells nobody reads by what an FMD could be identified: it is what is declared of it
             known = [family for family, kind in KINDS.items() if kind == problem.DECLARED]

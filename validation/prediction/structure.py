@@ -568,7 +568,7 @@ class ReducedStructure:
 
         Raises
         ------
-        BadInput, CheckFailed : outside the mesh, or no coordinates are known.
+        BadInput : outside the mesh, or no coordinates are known.
         """
         whole = with_positions(self.structure, positions)
         if anew:
@@ -780,7 +780,7 @@ def with_positions(structure: Structure, positions: Sequence[str]) -> Structure:
 
     Raises
     ------
-    BadInput, CheckFailed : outside the mesh, or no coordinates are known.
+    BadInput : outside the mesh, or no coordinates are known.
     """
     new = {name: at for name in positions if name not in structure.places and (at := position(name)) is not None}
     if not new:
@@ -789,10 +789,10 @@ def with_positions(structure: Structure, positions: Sequence[str]) -> Structure:
     return replace(structure, places={**structure.places, **dict(zip(new, rows, strict=True))})
 
 
-def lacking(structure: Structure, place: str) -> BadInput | CheckFailed | None:
+def lacking(structure: Structure, place: str) -> BadInput | None:
     """Why `structure` has no `place` that is written as coordinates; None where it has it."""
     try:
         with_positions(structure, [place])
-    except (BadInput, CheckFailed) as error:
+    except BadInput as error:
         return error
     return None

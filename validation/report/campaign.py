@@ -171,6 +171,7 @@ def correct(folder: str, effects: Sequence[str], out: Path, *, force: bool, as_j
 
     source = Path(folder)
     simulate.require_folder(out)
+    require_folder(out, "--out")
     there, read = out.resolve(), source.resolve()
     if there == read or there.is_relative_to(read) or read.is_relative_to(there):
         problem = f"it would change {source}, which is only read"
@@ -182,7 +183,6 @@ def correct(folder: str, effects: Sequence[str], out: Path, *, force: bool, as_j
         if not (out / campaign_file.NAME).is_file():
             problem = f"it holds no {campaign_file.NAME}, so it is no campaign to be replaced"
             raise BadInput(source=str(out), field="--out", problem=problem, remedy="Name a new folder")
-    require_folder(out, "--out")
     described = campaign_file.read_description(folder)
     faults = [asked(text, described) for text in effects]
     with share_done(f"reading {folder}", quiet=as_json) as progress:

@@ -621,7 +621,7 @@ def simulate_structure(
         "article": plan.article,
         "drives": [] if plan.kind == structure_tests.MODES else [one.name for one in plan.drives],
         "responses": [one.name for one in plan.responses],
-        "band_hz": list(plan.band),
+        "band_hz": [float(f"{one:.6g}") for one in plan.band] if not as_json else list(plan.band),
     }
     if sealed is None:
         about |= {"seed": seed, "effects": [str(one) for one in plan.effects]}

@@ -52,11 +52,7 @@ DECIMALS = 3
 SHOWN = 12
 """Modes of a printed MAC matrix; all of it is in the JSON."""
 
-HOW_HELD = {
-    "base": "Base held.",
-    "ground": "On the ground.",
-    "free": "Free: the modes at 0 Hz are its rigid motions.",
-}
+HOW_HELD = {"base": "Base held.", "ground": "On the ground.", "free": "Free: the modes at 0 Hz are its rigid motions."}
 
 UNNAMED = {"structure", "damped", "rest"}
 """Shares that a reader makes of a stiffness that has no parts."""
@@ -493,25 +489,16 @@ ON_THE_SHEET = 11
 NOTE = "Base held. Grey outline: at rest. All are drawn with the same largest displacement."
 
 
-def require_mode(number: int, count: int) -> None:
-    """Refuse a mode that is not among the `count` that will be computed.
+def require_drawable(article: str, model: str, moving: int | None, count: int) -> None:
+    """Refuse pictures of a model that gives no shapes, or of a mode beyond `count`, before it is computed.
 
     Raises
     ------
-    BadInput : it is not.
+    BadInput : it is exudyn's; the mode that is `moving` is not among them.
     """
-    if not 1 <= number <= count:
-        problem, remedy = f"modes 1 to {count} are computed, found {number}", "Choose one of them, or compute more with --count"
+    if moving is not None and not 1 <= moving <= count:
+        problem, remedy = f"modes 1 to {count} are computed, found {moving}", "Choose one of them, or compute more with --count"
         raise BadInput(source="--mode", problem=problem, remedy=remedy)
-
-
-def require_drawable(article: str, model: str) -> None:
-    """Refuse pictures of a model that gives no shapes, before it is computed.
-
-    Raises
-    ------
-    BadInput : it is exudyn's.
-    """
     if model == "exudyn":
         problem = "exudyn's own elements give frequencies and participations here, no shape that could be drawn"
         raise BadInput(source=article, field="--shapes", problem=problem, remedy="Draw the beam or the solid model")

@@ -136,8 +136,5 @@ def document(found: LaboratoryFindings) -> doc.Document:
         *([] if found.stands.null else [f"But all of them together are not sound: {found.stands.text}."]),
     ]
     return doc.Document(
-        title="What the laboratory knows of itself",
-        opening=opening,
-        blocks=(hardware, mountings, proof),
-        notes=list(notes()),
+        title="What the laboratory knows of itself", opening=opening, blocks=(hardware, mountings, proof), notes=list(notes())
     )

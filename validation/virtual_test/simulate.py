@@ -743,18 +743,15 @@ def require_free(folder: Path, truth: Path) -> None:
 
 
 def require_folder(path: Path) -> None:
-    """Refuse a file where a folder is meant, and the folder in which the command runs or one around it, which cannot be replaced.
+    """Refuse the folder in which the command runs or one around it, which cannot be replaced.
 
     Raises
     ------
-    BadInput : `path` is there and no folder, or such a folder.
+    BadInput : `path` is such a folder.
     """
     if Path.cwd().is_relative_to(path.resolve()):
         problem = "the command runs in this folder"
         raise BadInput(source=str(path), field="--out", problem=problem, remedy="Name a folder in it, such as out/campaign")
-    if path.exists() and not path.is_dir():
-        problem = "it is a file, a folder is expected"
-        raise BadInput(source=str(path), field="--out", problem=problem, remedy="Name a new folder")
 
 
 def write(folder: Path, truth: Path, content: Mapping[str, object], fill: Callable[[Path], None]) -> None:

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.structure import Sparse, Structure, position_of, rows_beside
+from fem.structure import Sparse, Structure, place_rows, position_of, rows_beside
 from fem.user_model import reading
 from geometry import toml_file
 from geometry.articles import built_in
@@ -32,7 +32,7 @@ from identification.campaign import Campaign, Processing
 from identification.files import files
 from identification.files.files import Signals
 from validation.effects.catalogue import Named, parse_all
-from validation.effects.effect import Vocabulary
+from validation.effects.effect import Vocabulary, position
 from validation.effects.stages import ALONG
 from validation.model import model_file
 from validation.model.model import Model
@@ -324,6 +324,11 @@ def tested(plan: StructurePlan) -> TestedStructure:
     losses = {part: eta * float(np.exp(0.1 * spread * rng.standard_normal())) for part, eta in losses.items()}
 
     def share(of: Mapping[str, Sparse], named: Named) -> Sparse:
+        if of is made.places and (at := position(named.target)) is not None:
+            try:
+                return place_rows(made, at)[0]
+            except BadInput as error:
+                raise BadInput(source="--effect", field=named.id, problem=error.problem, remedy=error.remedy) from None
         if named.target not in of:
             problem, remedy = "the structure has nothing of that name", f"{nearest(named.target, of)}There are {', '.join(of)}"
             raise BadInput(source="--effect", field=named.id, problem=problem, remedy=remedy)
@@ -380,7 +385,7 @@ class StructureTest:
         folder.mkdir(parents=True, exist_ok=True)
         for name, signals in self.signals.items():
             files.write(folder / name, signals)
-        lines = [f"{key} = {model_file.inline(value)}" for key, value in self.table.items()]
+        lines = [f"{key} = {toml_file.inline(value)}" for key, value in self.table.items()]
         (folder / "test.toml").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
@@ -418,7 +423,8 @@ def simulate(plan: StructurePlan) -> StructureTest:
     BadInput : as `tested`; a point that the structure has not.
     """
     lab = tested(plan)
-    elastic = lab.lossy[0][lab.lossy[0].real > 0.01 * plan.band[0] ** 2]
+    squares, highest = lab.lossy[0], (2 * np.pi * PULLED * plan.band[1]) ** 2  # beyond, joints that give nothing lose nothing
+    elastic = squares[(squares.real > 0.01 * plan.band[0] ** 2) & (squares.real < highest)]
     slowest = float(np.min(elastic.imag / (2 * np.sqrt(elastic.real)) + lab.ratio * np.sqrt(elastic.real), initial=1e3))
     truth = {
         "effects": {one.id: dict(one.values) for one in plan.effects},

@@ -8,6 +8,8 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 
 from fem.gravity import STANDARD
+from fem.modes import lowest
+from fem.structure import hold, place_rows
 from fem.user_model import frame, reading
 from geometry.errors import BadInput
 
@@ -129,6 +131,9 @@ loss_factor = 0.01
         ({"elements": 0}, "elements", "from 1 to 100"),
         ({"loss_factor": 3}, "loss_factor", "below 2"),
         ({"colour": "red"}, "colour", "unknown key"),
+        ({"support": "bse"}, "support", "Did you mean base"),
+        ({"support": "free"}, "support", "is 'free', and fixed nodes are foot"),
+        ({"support": "base", "fixed": []}, "support", "is 'base', and fixed nodes are none"),
         ({"material": "adamant"}, "material", "no material is called 'adamant'"),
     ],
 )
@@ -136,3 +141,37 @@ def test_what_makes_no_frame_is_refused_with_its_place(change, field, words):
     with pytest.raises(BadInput, match=words) as refused:
         frame.structure(BUILDING | change, "building.toml")
     assert field in refused.value.field
+
+
+CANTILEVER = {
+    "nodes": {"foot": "0 m", "tip": "1 m"},
+    "fixed": ["foot"],
+    "members": {"rod": ["foot", "tip"]},
+    "section": {"width": "12 mm", "thickness": "5 mm", "across": "x"},
+    "material": "steel",
+}
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_point_between_nodes_moves_as_the_beam_bends_there(count: int) -> None:
+    """Of a cantilever under a force at its tip, x² (3 L - x) / 2 L³ of what the tip does, whatever its beams end."""
+    found = frame.structure(CANTILEVER | {"elements": count}, "rod")
+    assert_allclose(found.points, [[0, 0, 0], [0, 0, 1], [0, 0, 0.5]][: 1 + count])
+    force = found.places["tip"].toarray()[0]
+    u = np.linalg.solve(found.stiffness.toarray(), force)
+    for x in (0.25, 0.6, 1.0):
+        moved = place_rows(found, [0.0, 0.0, x])[0] @ u
+        assert_allclose(moved, [x**2 * (3 - x) / 2 * (force @ u), 0, 0], rtol=1e-3, atol=1e-3 * (force @ u))  # shear, joints
+    with pytest.raises(BadInput, match="lies 200 mm outside the mesh"):
+        place_rows(found, [0.0, 0.0, 1.2])
+
+
+@pytest.mark.parametrize("moves", [["x"], ["x", "y", "z", "rx", "ry", "rz"]])
+def test_a_frame_on_a_base_has_the_modes_of_one_on_the_ground_and_its_mass_rides_along(moves: list[str]) -> None:
+    stated = CANTILEVER | {"elements": 4, "moves": moves, "masses": {"tip": "2 kg"}}
+    ground, base = (frame.structure(stated | {"support": support}, "rod") for support in ("ground", "base"))
+    assert (ground.grounded, base.grounded, len(ground.held)) == (True, False, 0)
+    of = [lowest(hold(one).stiffness, hold(one).mass, 4).values for one in (ground, base)]
+    assert_allclose(of[1], of[0], rtol=1e-9)
+    assert_allclose(base.rigid_mass[:3, :3], np.eye(3) * (2 + 12e-3 * 5e-3 * 7850), rtol=1e-9)
+    assert_allclose(base.stiffness @ base.rigid, 0, atol=1e-9 * np.abs(base.stiffness.data).max())

@@ -16,7 +16,7 @@ from fem.dynamic_mass import direct
 from fem.modes import fixed_base
 from fem.structure import Structure, place_rows
 from fem.user_model import reading
-from geometry.errors import CheckFailed
+from geometry.errors import BadInput
 from geometry.frames import rigid_transformation
 
 Arrays = dict[str, np.ndarray]
@@ -246,7 +246,7 @@ def test_a_place_moves_on_from_node_to_node_without_a_step(block: Callable[..., 
 
 def test_a_structure_without_coordinates_has_no_place_by_coordinates(bridge: reading.UsersModel) -> None:
     with pytest.raises(
-        CheckFailed, match=f"knows no coordinates of nodes; a place is named there: {next(iter(bridge.model.places))}"
+        BadInput, match=f"the structure has no coordinates. A place is named there: {next(iter(bridge.model.places))}"
     ):
         place_rows(bridge.model, [0.0, 0.0, 0.0])
 

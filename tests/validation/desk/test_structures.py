@@ -251,7 +251,11 @@ def test_a_prediction_of_nothing_is_said_where_a_logarithm_hides_it(made):
 
     def said(panel, **switches) -> str:
         curves = DrawnCurves(panel=panel, units=("m/s²", "N"), switches=Switches(**switches), title="x")
-        return "; ".join(one["text"] for one in curves.figure().layout.get("annotations", ()))
+        notes = curves.figure().layout.get("annotations", ())
+        # Between the panels, where no point can lie below them, and the two apart
+        where = {"y domain": (0, "top", "right"), "y2 domain": (1, "bottom", "left")}
+        assert all((one["y"], one["yanchor"], one["xanchor"]) == where[one["yref"]] for one in notes)
+        return "; ".join(one["text"] for one in notes)
 
     assert said(nothing) == "predicted is zero here"
     assert said(nothing, logarithmic=False) == ""

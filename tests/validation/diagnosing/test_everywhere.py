@@ -1,5 +1,6 @@
 """Everywhere on the mesh: what one solution says of every node is what the effect at that node does."""
 
+import json
 import weakref
 from collections.abc import Callable
 from dataclasses import replace
@@ -576,3 +577,22 @@ def test_what_an_effect_brings_beside_another_is_told_against_a_fit_that_was_not
     assert (given_up.converged, ended.cost < given_up.cost - 10.0) == (False, True)
     assert step.evidence == pytest.approx(whole.log_evidence - ended.log_evidence, abs=0.5)
     assert there.evidence > step.evidence + 10.0
+
+
+JOINT = "connection-compliance:legs-2@floor-2:beta"
+
+
+def test_a_pick_up_that_tells_nothing_apart_is_no_advice(run, tmp_path, three_floors):
+    """Of a frame whose nodes are known one at a floor that has one had been "the nearest to it, with 0.0 nats"."""
+    (tmp_path / "frame.toml").write_text(three_floors())
+    points = "--drive floor-1:x --response floor-1:x --response floor-2:x --response floor-3:x --band 2 50"
+    given = f"simulate frame.toml --test functions {points} --tolerances off --seed 1 --effect modulus:legs-2=-0.2 --out test"
+    assert run(*given.split())[0] == 0
+    code, out, err = run(
+        "diagnose", "frame.toml", "test/test.toml", "--json", "--candidate", "modulus:legs-2", "--candidate", JOINT
+    )
+    assert code == 0, err
+    found = json.loads(out)
+    assert found["equivalence_class"] == ["modulus:legs-2", JOINT]
+    assert "no test of the menu is expected to tell" in found["next_measurement"]
+    assert "nats" not in found["next_measurement"]

@@ -170,7 +170,37 @@ def test_only_what_stands_on_a_base_is_put_on_the_fmd(run, refused, tmp_path, su
     assert f'article = "{article}"' in (tmp_path / "lab.toml").read_text()
     assert "without --test, one to simulate" in refused("simulate", "beam.toml", "--out", "none")
     (tmp_path / "bare.toml").write_text(described.replace("[fe_model]\n", ""))
-    assert "a structure whose keys belong below [fe_model]" in refused("reference", "bare.toml")
+    for command in (
+        ("reference",),
+        ("compare",),
+        ("check",),
+        ("modes",),
+        ("simulate", "--out", "none"),
+        ("model",),
+        ("model", "--examine"),
+    ):
+        said = refused(*command, "bare.toml")
+        assert "bare.toml: `kind`: 'matrices' is a structure, whose keys belong below [fe_model]. Write the line" in said
+
+
+def test_modes_of_what_is_no_article_say_what_it_is(run, refused, tmp_path):
+    """Of a model file it was said that a CAD file has no dimensions."""
+    assert run("model", "fmd", "--out", "lab.toml")[0] == 0
+    assert "this is a model file, not what is read here" in refused("modes", "lab.toml")
+    (tmp_path / "test.toml").write_text('format = 1\nkind = "modal-table"\narticle = "frame"\n')
+    for command in ("modes", "model"):  # which had put it on the FMD
+        assert "this is a measurement file, not what is read here" in refused(command, "test.toml")
+    assert "it is the folder of a test, where a file is needed. MODEL comes first" in refused("compare", ".", "lab.toml")
+
+
+def test_a_table_is_meant_as_that_of_the_model_only_if_it_has_one_of_its_keys(refused, tmp_path):
+    """Of a frame without its table "Did you mean nodes?" was asked."""
+    (tmp_path / "bare.toml").write_text(
+        'format = 1\nnodes = { foot = "0 m", top = "1 m" }\nmembers = { leg = ["foot", "top"] }\n'
+    )
+    said = refused("compare", "bare.toml")
+    assert "the table [model] is missing" in said
+    assert "Did you mean" not in said
 
 
 @pytest.mark.parametrize("stated", ["fe_model = 3\n", '[[fe_model]]\nkind = "frame"\n'])
@@ -178,3 +208,23 @@ def test_what_is_no_table_does_not_say_how_a_structure_stands(run, tmp_path, sta
     (tmp_path / "beam.toml").write_text(stated)
     assert run("model", "beam.toml", "--out", "lab.toml")[0] == 0
     assert 'article = "fmd+beam"' in (tmp_path / "lab.toml").read_text()
+
+
+def test_a_model_file_is_written_anew_into_any_folder_from_which_its_files_are_seen(run, refused, tmp_path, three_floors):
+    """Beside it the test was lost, and elsewhere its structure was not found."""
+    (tmp_path / "there").mkdir()
+    (tmp_path / "there" / "frame.toml").write_text(three_floors(struck=True) + "band = [0.123456789012345, 50.0]\n")
+    was = model_file.read("there/frame.toml")
+    for out in ("there/anew.toml", "above.toml"):
+        assert run("model", "there/frame.toml", "--out", out)[0] == 0
+        now = model_file.read(out)
+        assert [Path(path).resolve() for path in now.own.values()] == [tmp_path / "there" / "frame.toml"]
+        assert (Path(out).parent / now.tests[0]["file"]).resolve() == tmp_path / "there" / "data.csv"
+        assert [{**one, "file": ""} for one in now.tests] == [{**one, "file": ""} for one in was.tests]
+    assert 'frame" = "there/frame.toml"' in run("model", "there/frame.toml")[1]
+    (tmp_path / "elsewhere").mkdir()
+    assert "there/data.csv does not lie in" in refused("model", "there/frame.toml", "--out", "elsewhere/anew.toml")
+    said = refused("model", "there/frame.toml", "--out", "there/frame.toml", "--force")
+    assert "the structure that it describes would not be in it any more" in said
+    (tmp_path / "there" / "frame.toml").write_text(three_floors())
+    assert run("model", "there/frame.toml", "--out", "elsewhere/anew.toml")[0] == 0

@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fem.structure import AROUND, position_of, removable
+from geometry import toml_file
 from geometry.errors import BadInput
 from validation.effects.catalogue import parse
 from validation.effects.effect import Vocabulary
 from validation.estimation.problem import Prediction
-from validation.model import model_file
 from validation.model.model import Added
 from validation.study import Study
 from validation.virtual_test import structure_tests
@@ -159,7 +160,7 @@ def test_a_test_in_other_axes_is_turned_and_one_that_does_not_match_is_refused_w
     # The axes of the test: x of the model is its y, y is -x, and its origin is elsewhere
     at = {name: [-y + 1.0, x, z] for name, (x, y, z) in table["coordinates"].items()}
     stated = next(line for line in text.splitlines() if line.startswith("coordinates"))
-    turned = text.replace(stated, f"coordinates = {model_file.inline(at)}").replace(":x", ":y")
+    turned = text.replace(stated, f"coordinates = {toml_file.inline(at)}").replace(":x", ":y")
     path.write_text(turned)
     (found,) = Study.open(str(bracket), [str(path)]).tests
     assert_allclose(found.at({}, derivatives=False).rows, one.at({}, derivatives=False).rows, rtol=1e-6)
@@ -168,6 +169,27 @@ def test_a_test_in_other_axes_is_turned_and_one_that_does_not_match_is_refused_w
         (far, "lies .* mm off"),
         ({k: [1e3 * x for x in v] for k, v in at.items()}, "times 0.001 they would match"),
     ):
-        path.write_text(text.replace(stated, f"coordinates = {model_file.inline(wrong)}"))
+        path.write_text(text.replace(stated, f"coordinates = {toml_file.inline(wrong)}"))
         with pytest.raises(BadInput, match=words):
             Study.open(str(bracket), [str(path)])
+
+
+def test_no_position_leaves_what_it_sits_on_as_no_more_mass_is_missing_than_is_there(
+    tested: Callable[..., tuple[Any, ...]],
+) -> None:
+    """A pick-up had been fitted 152 of its tolerances beside its place, off the structure."""
+    (one,) = tested("functions")
+    whole = one.structure.reduced.structure
+    low, high = whole.points.min(axis=0), whole.points.max(axis=0)
+    wide = AROUND * float((high - low).max())
+    asked = "accelerometer-position:tip-x:z=0.001"
+    for effects in ((), (added(asked, fixed=False),)):
+        found = {each.name: each for each in one.with_effects(effects).parameters if "-position" in each.family}
+        assert {name.partition(":")[0] for name in found} == {"accelerometer-position", "force-position"}
+        for name, moved in found.items():
+            _, point, word = name.split(":")
+            axis, at = "xyz".index(word), position_of(whole, point.partition("-")[0])
+            reach = at[axis] + np.array(moved.bounds(plain=False))
+            assert reach == pytest.approx([low[axis] - wide, high[axis] + wide])
+    heavier = {each.name: each for each in one.with_effects((added("point-mass:tip=0.1", fixed=False),)).parameters}
+    assert heavier["point-mass:tip"].low == pytest.approx(-removable(whole, position_of(whole, "tip")))

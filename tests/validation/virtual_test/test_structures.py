@@ -118,6 +118,24 @@ loss_factor = 0.01
 """
 
 
+def test_a_mass_is_planted_at_coordinates_on_a_member_and_refused_beside_it(run: Any, refused: Any) -> None:
+    """Of a frame no coordinates were known, and of a mesh only places that had a name could be given one."""
+    Path("mast.toml").write_text(MAST)
+    between = MAST.replace("tip =", 'three = "600 mm", tip =').replace('["middle", "tip"]', '["middle", "three"]')
+    Path("three.toml").write_text(between.replace(" }\nsection", ', top = ["three", "tip"] }\nsection'))
+    asked = "--test modes --response middle:x --response tip:x --band 5 1500 --noise off --tolerances off --out"
+
+    def tabulated(model: str, place: str) -> list[float]:
+        assert run("simulate", f"{model}.toml", *asked.split(), f"{model}-{place}", "--effect", f"point-mass:{place}=0.3")[0] == 0
+        return list(tomllib.loads(Path(f"{model}-{place}/test.toml").read_text())["frequencies"][:2])
+
+    assert tabulated("mast", "@0,0,0.4") == pytest.approx(tabulated("mast", "middle"), rel=1e-4)  # joints give next to nothing
+    assert tabulated("mast", "@0,0,0.6") == pytest.approx(tabulated("three", "three"), rel=3e-3)  # members of finite length
+    assert tabulated("mast", "@0,0,0.6")[0] < 0.98 * tabulated("mast", "middle")[0]
+    said = refused("simulate", "mast.toml", *asked.split(), "none", "--effect", "point-mass:@0,0,5=0.3")
+    assert "--effect: `point-mass:@0,0,5`: lies 4200 mm outside the mesh; the nearest point is (0, 0, 800) mm" in said
+
+
 def test_a_table_has_no_mode_that_moves_no_sensor_and_one_that_has_is_compared_all_the_same(run: Any) -> None:
     """Modes across the sensors were tabulated by what rounding left of them, and `compare` ended in "Singular matrix"."""
     Path("mast.toml").write_text(MAST)
@@ -195,6 +213,21 @@ def test_without_noise_and_tolerances_a_base_test_is_what_its_own_model_predicts
         base = np.stack([np.linalg.lstsq(R[below], y[below], rcond=None)[0] for R, y in zip(rows, values, strict=True)])
         away = np.einsum("ncj,nj->nc", rows, base) - values
         assert np.abs(away[:, others]).max(axis=0) == pytest.approx(0, abs=1e-5 * np.abs(values[:, others]).max())
+
+
+@pytest.mark.parametrize(("moves", "kind"), [("", "base-forces"), ('moves = ["x", "ry"]\n', "base")])
+def test_a_frame_of_a_few_lines_stands_on_a_base(moves: str, kind: str, run: Any) -> None:
+    """Its ends have no mass, so that modes of K and M alone ended in "The leading minor is not positive definite"."""
+    Path("mast.toml").write_text(MAST.replace("fixed", f'support = "base"\n{moves}fixed'))
+    points = ("--response", "tip:x", "--response", "middle:x", "--band", "5", "150")
+    assert run("simulate", "mast.toml", "--test", kind, *points, "--noise", "off", "--tolerances", "off", "--out", "test")[0] == 0
+    code, out, err = run("compare", "mast.toml", "test", "--json")
+    assert code == 0, err
+    assert json.loads(out)["fitted_chi2_per_dof"] < 1e-3
+    # No pick-up of it leaves the mast, 800 mm of it and a fiftieth of that around
+    moved = {one.name: one for one in Study.open("mast.toml", ["test"]).made[0].parameters}
+    assert moved["accelerometer-position:middle-x:z"].bounds(plain=False) == pytest.approx((-0.416, 0.416))
+    assert moved["accelerometer-position:tip-x:z"].bounds(plain=False) == pytest.approx((-0.816, 0.016))
 
 
 def test_what_load_cells_lose_is_open_where_the_band_comes_near_what_swings_on_them(on_base: Path, run: Any) -> None:

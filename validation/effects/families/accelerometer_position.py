@@ -1,3 +1,4 @@
+from fem.structure import limits_of_shift
 from geometry.sensors import Tolerances
 from validation.effects.effect import ACCELERATIONS, ACCELEROMETER, LENGTH, Family
 from validation.effects.plants import at
@@ -10,6 +11,7 @@ FAMILY = Family(
     sizes=LENGTH,
     example="accelerometer-position:cover-z3:x=0.01",
     tolerance=Tolerances().position,
+    limits=limits_of_shift,
     equation="y' = dᵀ [G(p + dp)] u, that is y + dᵀ (θ x dp)",
     mistaken_for=("accelerometer-gain", "accelerometer-misalignment", "force-plane-offset"),
     confirmed_by="a ruler; rotation sweeps, which alone show it; more pick-ups on the same plate",

@@ -1,3 +1,4 @@
+from fem.structure import limits_of_shift
 from validation.effects.effect import DRIVE, FORCES, LENGTH, Family
 
 FAMILY = Family(
@@ -7,6 +8,7 @@ FAMILY = Family(
     targets=(DRIVE, "axis"),
     sizes=LENGTH,
     example="force-position:tip-z:x=0.01",
+    limits=limits_of_shift,
     equation="A' = dᵀ A (n + v ∂n/∂p)",
     mistaken_for=("force-gain", "force-misalignment", "accelerometer-position"),
     confirmed_by="blows on a mark, each at its own side of it; reciprocity with an accelerometer at that point",

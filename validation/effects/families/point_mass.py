@@ -1,5 +1,6 @@
 """`point-mass`: a cable clamp, a forgotten screw, a sensor that nobody weighed, at one place of the article."""
 
+from fem.structure import limits_of_mass
 from validation.effects.effect import MASS, PLACE, STRUCTURE, STRUCTURE_STAGE, Family, Values
 from validation.effects.plants import at
 from validation.effects.stages import Matrices, heavier
@@ -20,6 +21,7 @@ FAMILY = Family(
     example="point-mass:mast-top=0.5",
     stage=STRUCTURE_STAGE,
     change=change,
+    limits=limits_of_mass,
     equation="M += m φᵀφ, L += m φᵀΓ, M_F += m ΓᵀΓ",
     mistaken_for=("rigid-inertia", "joint-compliance", "absorber"),
     confirmed_by="weigh the article again; modes with a node at the place, which do not move and tell it from a neighbouring one",

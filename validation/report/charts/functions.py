@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
@@ -162,7 +161,7 @@ class DrawnCurves:
         below = np.abs(curves[1].values) < 10**low
         if switches.logarithmic and below.any():
             some = f"predicted is below this axis at {below.sum()} of {below.size} lines"
-            _say(figure, "predicted is zero here" if below.all() else some, "y domain")
+            _say(figure, "predicted is zero here" if below.all() else some)
         if switches.lower == PHASE:
             turns: Values = {} if switches.unwrapped else {"range": [-190, 190], "tickvals": [-180, 0, 180]}
             figure.up(title={"text": "phase [°]"}, **turns, row=2, column=1)
@@ -189,11 +188,11 @@ class DrawnCurves:
         figure.up(title={"text": "measured /<br>predicted [1]"}, **axis, row=2, column=1)
         figure.rule(y=1.0, row=2, column=1, width=1)
         if not len(seen[0]):
-            _say(figure, "no ratio: predicted is zero here", "y2 domain")
+            _say(figure, "no ratio: predicted is zero here", lower=True)
 
     def _coherence(self, figure: Figure) -> None:
         if self.coherence is None:
-            _say(figure, "the test states no coherence", "y2 domain")
+            _say(figure, "the test states no coherence", lower=True)
         else:
             look = {"type": "scatter", "mode": "lines", "name": "coherence", "showlegend": False}
             line = {"color": spec.COLOURS[spec.MEASURED][1], "width": 1.5}
@@ -254,9 +253,12 @@ def _band(figure: Figure, f: Array, low: Array, high: Array, row: int, *, legend
     figure.add({**edge, "y": low, "showlegend": False}, {**edge, **fill, "y": high}, row=row, column=1)
 
 
-def _say(figure: Figure, text: str, yref: str) -> None:
-    place: dict[str, Any] = {"x": 1, "xref": "paper", "xanchor": "right", "y": 0.02, "yref": yref, "yanchor": "bottom"}
-    figure.note(text=text, bgcolor="rgba(128,128,128,0.25)", font={"size": 12}, **place)
+def _say(figure: Figure, text: str, *, lower: bool = False) -> None:
+    """Between the panels, where no curve can be: of the upper one to the right, of the `lower` one to the left."""
+    place: Values = {"x": 0, "xanchor": "left", "y": 1, "yref": "y2 domain", "yanchor": "bottom"}
+    if not lower:
+        place = {"x": 1, "xanchor": "right", "y": 0, "yref": "y domain", "yanchor": "top"}
+    figure.note(text=text, bgcolor="rgba(128,128,128,0.25)", font={"size": 11}, borderpad=0, xref="paper", **place)
 
 
 # Modes of a table beside those of a model: a matrix that one clicks, and the shapes of a pair at the sensors.
@@ -362,10 +364,7 @@ class ShownPair:
         point: Values = {"type": "scatter", "x": list(range(len(names))), "text": text, "hovertemplate": "%{text}: %{y:.3f}"}
         dots = {"mode": "markers", "marker": {"color": spec.COLOURS[spec.MEASURED][1], "size": 7}, "name": "test"}
         line = {"mode": "lines+markers", "line": {"color": spec.COLOURS[spec.PREDICTED][1], "width": 1.5}, "marker": {"size": 4}}
-        figure = Figure(
-            {**point, **line, "name": "model", "y": model / largest},
-            {**point, **dots, "y": test.real / largest},
-        )
+        figure = Figure({**point, **line, "name": "model", "y": model / largest}, {**point, **dots, "y": test.real / largest})
         few, words = len(names) <= WRITTEN, "sensor, in the order of the table"
         ticks: Values = {"tickvals": point["x"], "ticktext": text} if few else {"title": {"text": words}}
         figure.across(showgrid=False, **ticks)

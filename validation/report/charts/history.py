@@ -228,11 +228,7 @@ def intervals_of(bodies: Mapping[str, Body], title: str, note: str = "") -> Inte
     return IntervalChart(title=title, note=note, quantities=quantities, groups=PANELS, bodies=tuple(found))
 
 
-PANELS = {
-    "mass and moments [%]": (0, 4, 5, 6),
-    "CoG [mm]": (1, 2, 3),
-    "products [% of √(Θii Θjj)]": (7, 8, 9),
-}
+PANELS = {"mass and moments [%]": (0, 4, 5, 6), "CoG [mm]": (1, 2, 3), "products [% of √(Θii Θjj)]": (7, 8, 9)}
 """What shares a unit, by number in `QUANTITIES`."""
 
 

@@ -190,13 +190,7 @@ class BandMap:
 
 
 def draw_stability(
-    title: str,
-    maps: Sequence[BandMap],
-    start: Array,
-    stop: Array,
-    chosen: tuple[float, float],
-    path: Path,
-    note: str = "",
+    title: str, maps: Sequence[BandMap], start: Array, stop: Array, chosen: tuple[float, float], path: Path, note: str = ""
 ) -> None:
     """Write the band-stability map of ten quantities, `start` (a,) and `stop` (b,) [Hz].
 

@@ -98,11 +98,7 @@ def overlay(
 
 
 def diagonal(
-    pairs: Pairs,
-    *,
-    modes: Sequence[NamedMode] = (),
-    further: Mapping[str, ComplexArray] = NONE,
-    dark: bool = False,
+    pairs: Pairs, *, modes: Sequence[NamedMode] = (), further: Mapping[str, ComplexArray] = NONE, dark: bool = False
 ) -> Figure:
     """The six entries of the diagonal, as `overlay` draws each: translations on the left, rotations on the right."""
     panels = [(f"{entry(k, k)}: {LOADS[k]} by {MOTIONS[k]}", entry_of(pairs, k, k, modes, further)) for k in range(6)]

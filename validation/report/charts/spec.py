@@ -66,12 +66,14 @@ BOUNDS = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0, 100.0)
 CHANCE = 4.0
 """Sigmas that chance does not reach: up to it the colour stays pale."""
 
-PALE = {False: ("#ffffff", "#f3f5f8", "#e3e9f0", "#ccd8e4"), True: ("#171b22", "#1d232d", "#262f3c", "#33404f")}
+PALE = {False: ("#ffffff", "#f3f5f8", "#e3e9f0", "#ccd8e4"), True: ("#1c222b", "#2a3442", "#3a4757", "#4b5a6d")}
 STRONG = {
     False: ("#f7d13d", "#f39b2c", "#dd6a3c", "#b8415f", "#7b2a76", "#3d1559"),
-    True: ("#6b3d86", "#9c3f7f", "#c9525f", "#e67a3f", "#f6ad3c", "#fbe77a"),
+    True: ("#9a50bd", "#c2529a", "#e0616c", "#ef8f45", "#f8ba47", "#fdee90"),
 }
-"""Below and above `CHANCE`, by whether the page is dark: on paper darker where worse, on a dark page lighter where worse."""
+"""Below and above `CHANCE`, by whether the page is dark: on paper darker where worse, on a dark page lighter where worse.
+
+There everything above has three times the luminance of the page."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

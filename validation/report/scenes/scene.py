@@ -182,10 +182,7 @@ def blocks(bodies: Sequence[DrawnBody], inertia: Inertia, ellipsoid: Ellipsoid) 
     tensor = Block(heading="Inertia about the CoG", small="frame axes; products as matrix entries", rows=rows)
     principal_rows = tuple(
         LegendRow(
-            name=rf"$I_{i + 1}$ {direction(ellipsoid.axes[:, i])}",
-            value=significant(moment, 5),
-            unit="kg m²",
-            colour=AXES[i],
+            name=rf"$I_{i + 1}$ {direction(ellipsoid.axes[:, i])}", value=significant(moment, 5), unit="kg m²", colour=AXES[i]
         )
         for i, moment in enumerate(ellipsoid.moments)
     )
