@@ -34,7 +34,7 @@ from validation.output import NONE, json_text, nats, odds, share_done, significa
 from validation.reference.reference import file_name
 from validation.report import document as doc
 from validation.report import history, parts
-from validation.report.charts import crosscheck
+from validation.report.charts import crosscheck, static
 from validation.report.charts.crosscheck import standing_of, tried
 from validation.report.compare import ComparisonPage, correlation_tables, draw_channels
 from validation.report.document import NOTHING as EMPTY
@@ -62,11 +62,17 @@ def draw(found: results.Diagnosis, folder: Path) -> tuple[Path, ...]:
     title = f"Diagnosis: {told.get(found.verdict) or named or found.verdict}"
     made = []
     if tried(found):
-        crosscheck.draw_evidence(crosscheck.causes_of(found, title, EVIDENCE_NOTE, asked(found)), folder / EVIDENCE)
+        causes = crosscheck.causes_of(found, title, EVIDENCE_NOTE, asked(found))
+        height = 2.5 + 0.46 * len(causes.panels[0].rows)
+        room = {"left": 0.235, "right": 0.685, "top": 1 - 1.17 / height, "bottom": 0.98 / height}
+        static.draw_bars(causes, folder / EVIDENCE, size=(13.5, height), room=room, thickness=0.64)
         made.append(folder / EVIDENCE)
     after = None if found.after is found.before else found.after
     held = f"Used only for checking (held out): {results.listed(found.hold_out)}." if found.hold_out else ""
-    crosscheck.draw_before_after(crosscheck.changes_of(found.before, after, title, held), folder / ERRORS)
+    errors = crosscheck.changes_of(found.before, after, title, held)
+    height = 2.9 + 0.62 * sum(len(one.rows) for one in errors.panels)
+    room = {"left": 0.19, "right": 0.95, "top": 1 - 1.15 / height, "bottom": 0.95 / height, "hspace": 0.5}
+    static.draw_bars(errors, folder / ERRORS, size=(12.0, height), room=room, thickness=0.36 if errors.legend else 0.5)
     nodes = draw_nodes(found.nodes, folder / EVERYWHERE)
     return (*made, folder / ERRORS, *(() if nodes is None else (nodes,)))
 

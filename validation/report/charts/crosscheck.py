@@ -138,18 +138,6 @@ def changes_of(
     )
 
 
-def draw_before_after(chart: spec.BarChart, path: Path) -> None:
-    """Write pairs of bars: per cent of what was measured above, ratios to what is due below.
-
-    Raises
-    ------
-    BadInput : the ending of `path` is unknown.
-    """
-    height = 2.9 + 0.62 * sum(len(one.rows) for one in chart.panels)
-    room = {"left": 0.19, "right": 0.95, "top": 1 - 1.15 / height, "bottom": 0.95 / height, "hspace": 0.5}
-    static.draw_bars(chart, path, size=(12.0, height), room=room, thickness=0.36 if chart.legend else 0.5)
-
-
 def before_and_after(before: Evaluation, after: Evaluation | None) -> Figure:
     """The same side by side, on axes that begin at nothing."""
     chart = changes_of(before, after)
@@ -226,18 +214,6 @@ def causes_of(found: Diagnosis, title: str = "", note: str = "", threshold: floa
     )
     legend = {one.name: one.name for one in bars}
     return spec.BarChart(title=title, note=note, panels=(panel,), legend=legend, limit="" if threshold is None else "asked for")
-
-
-def draw_evidence(chart: spec.BarChart, path: Path) -> None:
-    """Write one bar a cause.
-
-    Raises
-    ------
-    BadInput : the ending of `path` is unknown.
-    """
-    height = 2.5 + 0.46 * len(chart.panels[0].rows)
-    room = {"left": 0.235, "right": 0.685, "top": 1 - 1.17 / height, "bottom": 0.98 / height}
-    static.draw_bars(chart, path, size=(13.5, height), room=room, thickness=0.64)
 
 
 def evidence(found: Diagnosis, *, dark: bool = False) -> Figure:

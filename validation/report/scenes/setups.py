@@ -359,17 +359,6 @@ def pendulum_picture(swing: DrawnSwing, path: Path, about: str = "") -> None:
     save(path, lambda temporary: figure.savefig(temporary, dpi=stage.DPI, **more))
 
 
-def pendulum_animation(swing: DrawnSwing, path: Path) -> None:
-    """Write all instants of `swing` as an endless GIF, in its own time.
-
-    Raises
-    ------
-    CheckFailed : nothing can be rendered on this machine.
-    """
-    apart = max(20, 10 * round(100 * float(np.mean(np.diff(swing.moments)))))  # a GIF counts hundredths of a second
-    stage.write_gif(path, _frames(swing, swing.instants), apart)
-
-
 def _frames(swing: DrawnSwing, instants: Sequence[Instant]) -> list[stage.Image]:
     """Heading, pendulum and signal of every instant, one above the other."""
     figure, _ = stage.blank(TILE[0], HEAD)
@@ -437,7 +426,8 @@ def draw_swing(found: Simulated, asked: ArticleOptions, folder: Path, *, animate
     if not animate:
         return [picture]
     moving = folder / f"{stem}.gif"
-    pendulum_animation(swing, moving)
+    apart = max(20, 10 * round(100 * float(np.mean(np.diff(swing.moments)))))  # a GIF counts hundredths of a second
+    stage.write_gif(moving, _frames(swing, swing.instants), apart)
     return [picture, moving]
 
 
