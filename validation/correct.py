@@ -71,21 +71,6 @@ def advanced(seconds: float) -> Response:
     return lambda frequency: np.asarray(np.exp(2j * np.pi * seconds * frequency), dtype=np.complex128)
 
 
-def without_highpass(corner: float, held: float = 0.0) -> Response:
-    """``1 - i f_c / f``, the inverse of a first-order high-pass of this `corner` [Hz]; 1 at 0 Hz, of which nothing is left.
-
-    Its gain grows without end towards 0 Hz, where a record has drift and offset. Below the frequency `held` [Hz] it is held back,
-    ``1 - i f_c f / (f² + held²)``.
-    """
-
-    def response(frequency: Array) -> ComplexArray:
-        square = frequency**2 + held**2
-        share = np.divide(frequency, square, out=np.zeros_like(square), where=square > 0)
-        return np.asarray(1 - 1j * corner * share, dtype=np.complex128)
-
-    return response
-
-
 def _times(factors: ComplexArray, spectra: ComplexArray) -> ComplexArray:
     if factors.ndim == 1:
         return np.asarray(factors[:, None] * spectra)
@@ -321,8 +306,15 @@ def _board(campaign: Campaign, named: Named) -> Corrected:
 def _highpass(campaign: Campaign, named: Named) -> Corrected:
     held, column = _held(campaign), campaign.table.names.index(named.target)
 
+    # 1 - i f_c / f, 1 at 0 Hz, of which nothing is left; it grows without end towards 0 Hz, where a record has drift and offset,
+    # and is held back there, 1 - i f_c f / (f² + held²)
     def raised(recording: Recording) -> Recording:
-        return filtered(recording, [column], without_highpass(named.value, 0.0 if recording.is_spectrum else held))
+        def response(frequency: Array) -> ComplexArray:
+            square = frequency**2 + (0.0 if recording.is_spectrum else held) ** 2
+            share = np.divide(frequency, square, out=np.zeros_like(square), where=square > 0)
+            return np.asarray(1 - 1j * named.value * share, dtype=np.complex128)
+
+        return filtered(recording, [column], response)
 
     did = f"the corner of {named.value:g} Hz taken out, of time histories from {10 * held:.3g} Hz up"
     return Corrected(campaign=_recorded(campaign, raised), channels=(named.target,), did=did)

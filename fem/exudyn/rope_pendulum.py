@@ -348,7 +348,9 @@ def swing(
     rest = at_rest(work)
     small = swings(work, rest)
     # The step [s] and how many of them there are from sample to sample
-    needed = coarsest_step(small, stretching=bool(work.compliance.any()))
+    # The longest that gives a period of the body and not of the method
+    slow = small.period / LEAST_STEPS
+    needed = slow if work.compliance.any() else min(slow, RESOLVED / float(small.omega[-1]))
     wanted = min(small.period / STEPS, needed) if step is None else step
     require_positive("step", wanted, "s")
     if wanted > needed * (1 + 1e-9):
@@ -424,12 +426,6 @@ def small_period(inertia: Inertia, suspension: Suspension, gravity: float = STAN
     """
     work = ropework(inertia, suspension, gravity)
     return swings(work, at_rest(work)).period
-
-
-def coarsest_step(small: Swings, *, stretching: bool) -> float:
-    """The longest step [s] with which `swing` gives a period of the body and not of the method."""
-    slow = small.period / LEAST_STEPS
-    return slow if stretching else min(slow, RESOLVED / float(small.omega[-1]))
 
 
 def _told(model: Model, work: Ropework, small: Swings, settings: dict[str, object]) -> Swing:

@@ -137,13 +137,15 @@ def pruned(problem: Assembly, solution: Solution, size: int, *, below: float = n
     # Vector and covariance with the participation of weak poles held at zero, and which those are
     x, C, gone = solution.x, inverse(solution.normal.matrix), set[int]()
     stays = structure.terms(layout, x).frequency > below
-    left = np.where(stays, np.inf, worths(problem, x, C))
-    while left.min() < pole_penalty(size):
-        weak = _participation(problem, int(np.argmin(left)))
+    while left := {r: _participation(problem, r) for r in range(elastic.modes) if r not in gone and not stays[r]}:
+        # What chi² would rise by without each pole
+        worth = {r: float(x[at] @ np.linalg.solve(C[np.ix_(at, at)], x[at])) for r, at in left.items()}
+        if worth[least := min(left, key=worth.__getitem__)] >= pole_penalty(size):
+            break
+        weak = left[least]
         gain = np.linalg.solve(C[np.ix_(weak, weak)], C[weak]).T
         x, C = x - gain @ x[weak], C - gain @ C[weak]
-        gone.add(int(np.argmin(left)))
-        left = np.array([np.inf if r in gone or stays[r] else _worth(x, C, _participation(problem, r)) for r in range(len(left))])
+        gone.add(least)
     at = _first(problem) + np.arange(elastic.size)[elastic.blocks["pairs"]]
     known = np.abs(x[at]) > COUPLED * np.sqrt(np.maximum(np.diag(C)[at], 0.0))
     pairs = tuple(pair for pair, keep in zip(elastic.pairs, known, strict=True) if keep)
@@ -160,15 +162,6 @@ def pruned(problem: Assembly, solution: Solution, size: int, *, below: float = n
 def pole_penalty(size: int) -> float:
     """What a pole - frequency, damping, participation - must take out of chi²."""
     return 8 * float(np.log(size))
-
-
-def worths(problem: Assembly, x: Array, C: Array) -> Array:
-    """(m,) what chi² would rise by without each pole; `C` (k, k) is the posterior covariance at `x` (k,)."""
-    return np.array([_worth(x, C, _participation(problem, r)) for r in range(problem.modes)])
-
-
-def _worth(x: Array, C: Array, at: Integers) -> float:
-    return float(x[at] @ np.linalg.solve(C[np.ix_(at, at)], x[at]))
 
 
 def _first(problem: Assembly) -> int:

@@ -12,7 +12,7 @@ from validation.diagnose.diagnosis import SIGNIFICANT, Candidate
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import OPENED, PERIOD_STAGE, evidence_threshold
 from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, SINGLE_PLACES, STRIDE, child, nearby, start
-from validation.estimation.likelihood import cost_of, observed
+from validation.estimation.likelihood import cost_of, freedom, observed
 from validation.estimation.problem import EFFECT, FITTED, Fit, Problem
 from validation.estimation.verdicts import due_misfit, expected_z2, largest_z, misfit
 from validation.history.add import sized_by
@@ -89,16 +89,19 @@ def goodness_of_fit(fit: Fit, problem: Problem) -> GoodnessOfFit:
     """
     from scipy.special import chdtrc
 
-    shares, sums, tiny = [], [], np.finfo(np.float64).tiny
+    shares, counts, sums, tiny = [], [], [], np.finfo(np.float64).tiny
     for one in problem.predictions:
-        seen = observed(one.measured, problem.lines_of(one))
+        seen = observed(one.measured, lines := problem.lines_of(one))
         noise = np.square(seen.noise)
-        s = (noise / np.maximum(noise + np.square(FLOOR * seen.floor), tiny)).ravel()
-        shares.append(s * (1 + s * one.measured.noise_scatter**2) + one.measured.discrepancy * (1 - s))
-        sums.append(s.sum())
+        s = noise / np.maximum(noise + np.square(FLOOR * seen.floor), tiny)
+        read = one.at(fit.by_name, lines, derivatives=False) if one.measured.unmeasured else None
+        count = np.ones(s.shape) if read is None else freedom(seen, read, FLOOR)
+        shares.append((s * (1 + s * one.measured.noise_scatter**2) + one.measured.discrepancy * (1 - s)).ravel())
+        counts.append(count.ravel())
+        sums.append(float(np.sum(count * s)))
     spreads = np.array([one.measured.noise_spread for one in problem.predictions])
     sd = float(np.linalg.norm(spreads * np.array(sums)) / max(np.array(sums).sum(), tiny))
-    due, share = max(expected_z2(fit), 1.0), float(np.mean(np.concatenate(shares)))
+    due, share = max(expected_z2(fit), 1.0), float(np.average(np.concatenate(shares), weights=np.concatenate(counts)))
     left = 1.0 if (own := due_misfit(fit, problem, as_read=False)) is None else min(max(own, 0.0) / share, 1.0)
     return GoodnessOfFit(
         misfit=misfit(fit),

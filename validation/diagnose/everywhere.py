@@ -481,7 +481,7 @@ class MeshSearch:
         return tuple(one.finite(self.offsets, left.of.lines) for left, one in self.tests)
 
 
-def _moved(named: Named, point: Array, size: float) -> Named:
+def _moved(named: Named, point: Sequence[float], size: float) -> Named:
     """`named` of another size, at a point (3,) [m]."""
     return replace(named, targets=(at_position(point), *named.targets[1:]), values={"": size})
 

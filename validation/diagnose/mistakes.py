@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, product
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -369,7 +370,10 @@ def _sources(every: Sequence[LowFrequencyReadings], known: Sequence[_KnownFactor
         products = [(one.reading[:, c], one.expected[:, d], one.level[:, d]) for one in every]
         above = sum(float(np.sum((y * p.conj()).real / level**2)) for y, p, level in products)
         below = sum(float(np.sum(np.abs(p) ** 2 / level**2)) for _, p, level in products)
-        seen = any(np.linalg.norm(one.expected[:, d]) >= np.linalg.norm(one.unsure[:, d]) for one in every)
+        seen = any(
+            np.linalg.norm(p / level) >= np.linalg.norm(one.unsure[:, d] / level)
+            for one, (_, p, level) in zip(every, products, strict=True)
+        )
         k = above / max(below, TINY) if seen else 1.0
         sign, size = (-1.0 if k < 0 else 1.0), max(abs(k), TINY)
         price = SIGN_PENALTY * (k < 0) + PLUG_PENALTY * (c != d)
@@ -500,9 +504,7 @@ def mistakes_of_tests(data: Study) -> tuple[Cause, ...]:
         if isinstance(one, ResponseFunctionTest):
             found.append(_of_functions(one, UNITS))
         elif isinstance(one, TableShapes):
-            shapes = one.at({})
-            unsure, rows = tolerated(shapes, one.parameters)[:, 0], shapes.rows[:, 0, :, 0]
-            found.append(_of_channels(one, one.measured.values[:, 0], rows, one.measured.noise[:, 0], unsure, UNITS))
+            found.append(_of_channels(one, one.measured.values[:, 0], one.measured.noise[:, 0], UNITS, lambda of: of.at({})))
         else:
             found.append([])
     said = [{cause.id for cause in causes} for causes in found]
@@ -537,10 +539,7 @@ def _of_functions(one: ResponseFunctionTest, units: Mapping[str, Mapping[str, fl
     def with_causes(causes: Sequence[Cause]) -> ResponseFunctionTest:
         return one.with_effects((*one.effects, *(Added(named=cause.named, fixed=True) for cause in causes)))
 
-    due = at(one, warped).at({})
-    unsure, p = tolerated(due, one.parameters), due.rows[..., 0]
-    off = noise.reshape(-1, c), unsure.reshape(-1, c)
-    causes = _of_channels(one, y.reshape(-1, c), p.reshape(-1, c), *off, units, warped, predicted)
+    causes = _of_channels(one, y.reshape(-1, c), noise.reshape(-1, c), units, lambda of: at(of, warped).at({}))
     p = predicted(with_causes(causes), warped)
     for r, drive in enumerate(one.drives):
         # The factor of a line would hide where the force acted: here its sign counts
@@ -645,23 +644,20 @@ def _unit_cause(channel: str, value: float, units: tuple[str, str], nats: float)
 def _of_channels(
     one: ResponseFunctionTest | TableShapes,
     y: ComplexArray,
-    p: ComplexArray,
     noise: Array,
-    unsure: Array,
     units: Mapping[str, Mapping[str, float]],
-    warped: Array | None = None,
-    predicted: Callable[[ResponseFunctionTest, Array], ComplexArray] | None = None,
+    read: Callable[[Any], Predicted],
 ) -> list[Cause]:
-    """Mistakes of single channels in readings y (m, c) of which p are expected.
-
-    Parameters
-    ----------
-    unsure : (m, c) see `tolerated`
-    warped, predicted : of response functions, where the model has each line, and what it reads there
-    """
+    """Mistakes of single channels in readings y (m, c), of which `read` says what a model expects of them."""
     c, names = y.shape[1], one.measured.channels
     if c < FEWEST_CHANNELS:
         return []
+
+    def expected(of: ResponseFunctionTest | TableShapes) -> tuple[ComplexArray, Array]:
+        due = read(of)
+        return due.rows[..., 0].reshape(-1, c), tolerated(due, of.parameters).reshape(-1, c)
+
+    p, unsure = expected(one)
     size = np.sqrt(np.mean(np.abs(p) ** 2, axis=1, keepdims=True))
     kept = size[:, 0] > TINY
     y, p, noise, unsure = y[kept] / size[kept], p[kept] / size[kept], noise[kept] / size[kept], unsure[kept] / size[kept]
@@ -669,6 +665,7 @@ def _of_channels(
     scaled = y / factors[:, None]
     # By how much a sound model is off may be far less than is allowed for; most channels say it
     scatter = SCATTERED * float(np.median(np.abs(scaled - p)))
+    quiet = np.minimum(noise / np.abs(factors)[:, None], min(scatter, OFF))  # a unit makes all others faint
     readings = LowFrequencyReadings(
         name=one.measured.name,
         channels=names,
@@ -676,7 +673,7 @@ def _of_channels(
         lines=max(1, len(scaled) // INDEPENDENT),
         reading=scaled,
         expected=p,
-        noise=np.hypot(np.minimum(noise / np.abs(factors)[:, None], min(scatter, OFF)), unsure),  # a unit makes all others faint
+        noise=np.hypot(quiet, unsure),
         unsure=unsure,
     )
     known = (_units_of(units["acceleration"]),) * c
@@ -717,24 +714,22 @@ def _of_channels(
             for word in words:
                 named = Named(family=family, targets=(names[k], word), values={"": 1.0})
                 other = one.with_effects((*one.effects, Added(named=named, fixed=True)))
-                if isinstance(other, ResponseFunctionTest) and predicted is not None and warped is not None:
-                    rows = predicted(other, warped)[..., k].reshape(-1)
-                else:
-                    rows = other.at({}, derivatives=False).rows[:, 0, k, 0]
-                there = readings.expected.copy()
-                there[:, k] = rows[kept] / size[kept, 0]
-                trial = replace(readings, expected=there)
+                rows, beside = (all_of[kept] / size[kept] for all_of in expected(other))
+                trial = replace(readings, expected=np.where(rest, p, rows), unsure=np.where(rest, unsure, beside))
+                trial = replace(trial, noise=np.hypot(quiet, trial.unsure))
+                is_stated = np.allclose(trial.expected, p)
+                which = ("polarity", "") if is_stated else (family, word)
                 for sign in (1.0, -1.0):
                     source = replace(each, factor=sign)
                     nats = _likelihood([trial], k, k, sign) - right - PLUG_PENALTY - SIGN_PENALTY * (sign < 0)
-                    if source.distance([trial]) < NEAR and nats > max(SURE, found.get((family, word), (0.0, False))[0]):
-                        found[family, word] = (nats, sign < 0)
+                    if source.distance([trial]) < NEAR and nats > max(SURE, found.get(which, (0.0, False))[0]):
+                        found[which] = (nats, sign < 0 and not is_stated)
         if found:
             family, word = max(found, key=lambda key: found[key][0])
             nats, inverted = found[family, word]
             near = (key for key, own in found.items() if own[0] > nats - INDISTINGUISHABLE_NATS)
-            alike = sorted(f"{key[0]}:{names[k]}:{key[1]}" for key in near)
-            cause = _cause(family, (names[k], word), nats, {"": 1.0})
+            alike = sorted(f"{key[0]}:{names[k]}:{key[1]}".rstrip(":") for key in near)
+            cause = _cause(family, (names[k], word), nats, {"": 1.0}) if word else _cause(family, (names[k],), nats)
             alike.remove(cause.id)
             note = f"{' and '.join(alike)} would read the same" if alike else ""
             causes.append(replace(cause, same=tuple(alike), note=note))

@@ -293,7 +293,7 @@ def against(data: Study, at: diagnosis.Candidate) -> tuple[Against, ...]:
         free = [one for one in problem.parameters if one.name in known or one.name.startswith(FAMILY)]
         cost = cost_of(problem, free, FLOOR, at.fit.by_name)
         x = cost.at({**{one.name: 0.0 for one in free}, **at.fit.by_name})
-        whole, _, _ = cost.total(x)
+        whole, _ = cost.total(x)
         for fact in (one for one in facts if one.of.article == article):
             about = {f"{FAMILY}:{name}" for name, weight in zip(PARAMETERS, fact.weights, strict=True) if weight}
             moving = [k for k, name in enumerate(cost.names) if name in known or name in about]

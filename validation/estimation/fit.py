@@ -114,8 +114,8 @@ class End:
 def ended(cost: Cost, offsets: Offsets, *, converged: bool, data: Normal | None = None) -> End:
     """The point `offsets` as an end; `data` are the normal equations there, where they are known."""
     x = cost.at(offsets)
-    whole, data, chi2 = cost.total(x, data)
-    return End(cost=cost, x=x, whole=whole, data=data, chi2=chi2, converged=converged)
+    whole, data = cost.total(x, data)
+    return End(cost=cost, x=x, whole=whole, data=data, chi2=cost.chi2(x, data), converged=converged)
 
 
 def annealed(
@@ -164,7 +164,7 @@ def annealed(
         found, near = found | stage.offsets(best.seen), None
         if best.beyond_hope(stage.worth):
             return ended(cost, found, converged=False)
-        if not done and not by_chance(2 * best.data.cost - HOPE * best.decrement**2, stage.size(best.seen)):
+        if not done and not by_chance(stage.chi2(best.seen, best.data) - HOPE * best.decrement**2, stage.size(best.seen)):
             again = 0
         progress((done + 1) / (len(stages) + 2))
     return direct(cost, found, progress, most=most, again=again)
@@ -180,7 +180,7 @@ def short(cost: Cost, offsets: Offsets, progress: Progress) -> End | None:
             stage = replace(cost, problem=sparse, observed=(), free=free, floor=floor, base={**cost.base, **found})
             last = descent(stage, found, close=ROUGHLY, most=STEPS)
             found |= stage.offsets(last.seen)
-        if by_chance(2 * last.data.cost, stage.size(last.seen)):
+        if by_chance(stage.chi2(last.seen, last.data), stage.size(last.seen)):
             end = direct(cost, found, progress, again=0)
             return end if end.converged and by_chance(end.chi2, end.cost.size(end.x)) else None
     except CheckFailed:
@@ -282,7 +282,7 @@ def descent(cost: Cost, offsets: Offsets, *, close: float = CLOSE, most: int) ->
     """
     start = np.clip(cost.at(offsets), *cost.bounds)
     if not len(start):
-        whole, data, _ = cost.total(start)
+        whole, data = cost.total(start)
         return Solution(x=start, seen=start, normal=whole, data=data, converged=True, decrement=0.0, evaluations=1)
     try:
         size, bounds, of = cost.size(start), cost.bounds, (cost.data, start, cost.knowledge)
@@ -582,7 +582,7 @@ def _promise(cost: Cost, place: Offsets, names: Sequence[str], amplitude: str) -
     """The cost that the quadratic model at `place` promises, and where it is; nothing where the model breaks down."""
     x = cost.at(place)
     try:
-        whole, _, _ = cost.total(x)
+        whole, _ = cost.total(x)
     except BREAKDOWNS:
         return []
     moving = np.array([name not in names for name in cost.names])

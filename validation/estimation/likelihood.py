@@ -86,6 +86,7 @@ class ObservedLines:
     floor : (r, m, c) standard deviation that a model-error floor of 1 gives
     inputs : (r, m, k) where they are known
     turned : (r, m, c) standard deviation that its model-error floor gives at least
+    unmeasured : (c,) bool, the channels that stand for what nobody measured; (1,) where there are none
     parts : numbers that a value is made of: 2, or 1 of real ones
     """
 
@@ -95,6 +96,7 @@ class ObservedLines:
     floor: Array
     inputs: ComplexArray | None
     turned: Array | float = 0.0
+    unmeasured: npt.NDArray[np.bool_] = field(default_factory=lambda: np.zeros(1, dtype=bool))
     parts: int = 2
 
     def weight(self, floor: float, noise: Array | None = None) -> Array:
@@ -121,6 +123,7 @@ def observed(measured: Measured, lines: Lines, *, plain: bool = False) -> Observ
         floor=floor_of(measured)[:, lines],
         inputs=None if measured.inputs is None else measured.inputs[:, lines],
         turned=turned,
+        unmeasured=np.isin(measured.channels, measured.unmeasured),
         parts=1 if measured.is_real else 2,
     )
 
@@ -179,6 +182,24 @@ def residual(seen: ObservedLines, predicted: Predicted, floor: float) -> Complex
     weight = seen.weight(floor, predicted.noise)
     rows = (_of_run(predicted.rows, run) for run in range(len(seen.runs)))
     return np.stack([_residual(A, seen, weight, run)[0] for run, A in enumerate(rows)])
+
+
+def freedom(seen: ObservedLines, predicted: Predicted, floor: float) -> Array:
+    """(r, m, c) By how much chi² grows with the variance of each channel; their sum are its degrees of freedom.
+
+    Latent inputs take one value a line each, spread evenly. Inputs that nobody measured, of which a size is known, take what
+    they can: with the projection P = 1 - Q Q^H that eliminates all inputs, the residuals of the channels R that were read have
+    the mean square sum_c v_c sum_(a in R) |P_ac|², where v_c is the variance of channel c over what is allowed for. Such an input
+    is stated as the largest that it may be, so that v = 0 there, and what is left is tr P_RR² (T. Hastie and R. Tibshirani,
+    Generalized Additive Models, 1990, 3.5). Were it as large as that, chi² would come to tr P_RR.
+    """
+    if not seen.unmeasured.any():
+        taken = predicted.rows.shape[-1] / seen.values.shape[2] if seen.inputs is None else 0.0
+        return np.broadcast_to(seen.parts * (1 - taken), seen.values.shape)
+    read = ~seen.unmeasured
+    Q, _ = np.linalg.qr(seen.weight(floor, predicted.noise)[..., None] * predicted.rows)
+    P = np.eye(len(read)) - Q @ Q.conj().swapaxes(-1, -2)
+    return np.asarray(seen.parts * read * np.sum(np.square(np.abs(P[..., read, :])), axis=-2))
 
 
 def _of_run(rows: ComplexArray, run: int) -> ComplexArray:
@@ -314,19 +335,27 @@ class Cost:
         rows = np.array([[slopes.get(name, 0.0) for name in self.names] for _, slopes in said])
         return np.array([left for left, _ in said]), rows.reshape(len(said), len(self.names))
 
-    def total(self, x: Array, data: Normal | None = None) -> tuple[Normal, Normal, float]:
-        """At `x` (p,): all as one, the `data` alone, which may be known already, and chi² of data and facts."""
+    def total(self, x: Array, data: Normal | None = None) -> tuple[Normal, Normal]:
+        """At `x` (p,): all as one, and the `data` alone, which may be known already."""
         data = self.data(x) if data is None else data
-        left, _ = self._facts(x)
-        return data.beside(*self.knowledge(x)), data, 2 * data.cost + float(left @ left)
+        return data.beside(*self.knowledge(x)), data
+
+    def chi2(self, x: Array, data: Normal) -> float:
+        """Chi² of all that was read, and of facts, at `x` (p,) with its normal equations `data`."""
+        (left, _), offsets, found = self._facts(x), self.offsets(x), 2 * data.cost
+        for one, lines, seen in self.observed:
+            if seen.unmeasured.any():
+                away = residual(seen, one.at(offsets, lines, derivatives=False), self.floor)
+                found -= float(np.sum(np.square(np.abs(away[..., seen.unmeasured]))))
+        return found + float(left @ left)
 
     def size(self, x: Array) -> int:
         """Real numbers that the data leave when latent inputs are taken out, and the facts; counted at `x` (p,)."""
-        offsets, found = self.offsets(x), len(self.problem.facts)
+        offsets, found = self.offsets(x), float(len(self.problem.facts))
         for one, lines, seen in self.observed:
-            latent = one.at(offsets, lines[:1], derivatives=False).rows.shape[-1] if seen.inputs is None else 0
-            found += seen.parts * len(seen.runs) * len(lines) * (seen.values.shape[2] - latent)
-        return found
+            some = lines if seen.unmeasured.any() else lines[:1]  # of known inputs, and free ones, one line tells it
+            found += float(np.sum(freedom(seen, one.at(offsets, some, derivatives=False), self.floor)))
+        return round(found)
 
 
 TAIL = 3.0

@@ -70,6 +70,8 @@ class Measured:
     late : (c,) [s] standard deviation of the delay of each channel, which no plain fit moves
     pilots : names of the channels that tell the motion along the one axis that is driven: pick-ups across it hear it by their
         slant, and their model-error floor is a share of it, too; empty where all axes are measured
+    unmeasured : names of the channels that stand for inputs which nobody measured: they read nothing, and their noise is how
+        large such an input may be
     is_real : whether values are real numbers, such as frequencies, and `noise` is their standard deviation: the imaginary parts
         are zero and say nothing
     """
@@ -91,6 +93,7 @@ class Measured:
     read: Array | None = None
     late: Array = field(default_factory=lambda: np.zeros(1))
     pilots: tuple[str, ...] = ()
+    unmeasured: tuple[str, ...] = ()
     is_real: bool = False
 
     def __post_init__(self) -> None:
@@ -405,8 +408,9 @@ class Fit:
     offsets : (p,)
     covariance : (p, p) of the offsets
     cost : half the sum of squares of whitened residuals, knowledge beforehand included
-    chi2 : of the data alone
-    degrees_of_freedom : real numbers left when inputs and free parameters without knowledge beforehand are taken out
+    chi2 : of the data alone, without the channels that stand for what nobody measured
+    degrees_of_freedom : real numbers left when inputs and free parameters without knowledge beforehand are taken out, see
+        `validation.estimation.likelihood.freedom`
     tolerance_z2 : sum of squares of offset / tolerance over the `TOLERANCES`
     tolerances : how many these are
     log_evidence : Laplace approximation [nats], up to a constant of the data

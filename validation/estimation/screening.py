@@ -311,7 +311,7 @@ def _beside(problem: Problem, fit: Fit, stand: Offsets, floor: float) -> tuple[t
     if bound == still:
         return free, fit.covariance[np.ix_(keep, keep)], np.zeros(len(free))
     cost = cost_of(problem, free, floor, stand)
-    whole, _, _ = cost.total(cost.at(stand))
+    whole, _ = cost.total(cost.at(stand))
     covariance = inverse(whole.matrix)
     return free, covariance, -covariance @ whole.gradient
 

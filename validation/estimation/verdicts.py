@@ -13,7 +13,7 @@ import numpy as np
 
 from identification.self_calibration.solve import total
 from validation.estimation.fit import FLOOR
-from validation.estimation.likelihood import cost_of
+from validation.estimation.likelihood import cost_of, freedom
 from validation.estimation.problem import IDENTIFIED, TOLERANCES, Evaluation, Fit, Parameter, Problem
 from validation.output import derived, entry, percent, two_digits
 
@@ -230,11 +230,11 @@ def due_misfit(of: Fit, problem: Problem, *, as_read: bool = True) -> float | No
     for prediction, lines, seen in cost.observed:
         read = prediction.measured.read[:, lines] if as_read and prediction.measured.read is not None else seen.noise
         variance = np.square(seen.noise) + np.square(FLOOR * seen.floor)
-        latent = prediction.at(of.by_name, lines[:1], derivatives=False).rows.shape[-1] if seen.inputs is None else 0
+        counts = freedom(seen, prediction.at(of.by_name, lines, derivatives=False), FLOOR)
         for k, run in enumerate(seen.runs):
             own = C @ by_run[prediction.measured.name, run].matrix
-            count = seen.parts * len(lines) * (seen.values.shape[2] - latent)
-            share = float(np.mean(np.square(read[k]) / variance[k]))
+            count = float(np.sum(counts[k]))
+            share = float(np.sum(counts[k] * np.square(read[k]) / variance[k])) / count
             found += share * (count - 2 * float(np.trace(own)) + float(np.sum(own * CM.T)))
     return found / max(of.degrees_of_freedom, 1)
 

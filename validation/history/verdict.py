@@ -160,7 +160,7 @@ def of_fit(problem: estimation.Problem, found: estimation.Fit, kinds: Sequence[s
     free = problem.free(estimation.FITTED)
     cost = cost_of(problem, free, floor_of(kinds), plain=estimation.SENSOR not in kinds)
     at = {one.name: 0.0 for one in free if one.kind not in kinds} | found.by_name
-    whole, _, _ = cost.total(cost.at(at))
+    whole, _ = cost.total(cost.at(at))
     estimated = np.array([one.kind in kinds for one in free])
     names = tuple(one.name for one in free if one.kind in kinds)
     return names, covariance(whole.matrix, estimated, np.array([one.tolerance for one in free]))

@@ -313,16 +313,6 @@ def _modes_near(matrices: Matrices, omega: Array) -> tuple[Array, Array] | None:
     return shapes, shapes.T @ both
 
 
-def along(matrices: Matrices, place: str, direction: npt.ArrayLike) -> Array:
-    """(k,) what each coordinate moves `place` along `direction` (3,), a unit vector.
-
-    Raises
-    ------
-    KeyError : no such place.
-    """
-    return np.asarray(np.asarray(direction, dtype=np.float64) @ matrices.places[place])
-
-
 def transfer_tangents(answered: CondensedTransfer, changes: Mapping[str, Tangent]) -> dict[str, ComplexArray]:
     """By parameter d matrix / d offset, (n, r, d)."""
     made, omega = {}, answered.omega[:, None, None]
@@ -625,7 +615,7 @@ class SupportedDynamicMass:
             found = (loads @ moved.transpose(1, 2, 0)) * np.einsum("pnj,rnj->rnp", moved, inputs @ X.T, optimize=True)[:, :, None]
         if sensors:
             own = rows[:, solved.matrices.base :]
-            bending = self._bending(solved, sensors)[:, solved.matrices.base :]
+            bending = self._bending(solved.matrices, sensors, offsets)[0][:, solved.matrices.base :]
             back = answering(solved.matrices, solved.answered.omega)(bending)[:, : own.shape[1]]
             driven = np.einsum("pnj,rnj->rnp", moved, inputs @ T.T, optimize=True)
             found = found - (bent @ (own @ back).swapaxes(1, 2)) * driven[:, :, None]
@@ -694,7 +684,7 @@ class SupportedDynamicMass:
         if solved is None:
             return np.zeros((len(frequency), 3 * len(sensors), 6), dtype=np.complex128), {}
         matrices, tangents, answered = solved.matrices, solved.tangents, solved.answered
-        b, pose, bent = matrices.base, self.standing.pose, self._bending(solved, sensors)
+        b, pose, (bent, beside) = matrices.base, self.standing.pose, self._bending(matrices, sensors, offsets)
         back = np.zeros((len(matrices.mass), len(frequency), len(bent)), dtype=np.complex128)
         if tangents and len(matrices.mass) > b:
             back[b:] = answering(matrices, 2 * np.pi * frequency)(bent[:, b:]).transpose(1, 0, 2)
@@ -707,14 +697,27 @@ class SupportedDynamicMass:
         for name, (turning, _) in told.items():
             if np.any(turning) and is_wanted(name, derivatives):
                 found[name] = own.matrix @ R.T @ turning
+        for name, (k, rows) in beside.items():
+            if is_wanted(name, derivatives):
+                found[name] = np.zeros((len(frequency), len(bent), 6), dtype=np.complex128)
+                found[name][:, 3 * k : 3 * k + 3] = rows @ answered.right.transpose(1, 0, 2) @ R.T @ T
         return own.matrix @ R.T @ T, found
 
-    def _bending(self, solved: "SolvedStructure", sensors: Sequence[str]) -> Array:
-        """(3 a, k) what each coordinate moves the accelerometers along the axes of F, but for those of the base."""
-        at = self.standing
-        bent = np.vstack([at.pose.rotation @ solved.matrices.places[at.sensors[name]] for name in sensors])
-        bent[:, : solved.matrices.base] = 0
-        return bent
+    def _bending(self, of: Matrices, sensors: Sequence[str], offsets: Offsets) -> tuple[Array, dict[str, tuple[int, Array]]]:
+        """(3 a, k) what each coordinate but those of the base moves the accelerometers along the axes of F, where they sit at
+        `offsets`; and by parameter of their position which of them it moves by what (3, k), where the model knows it."""
+        R, its_own, bent, beside = self.standing.pose.rotation, np.arange(len(of.mass)) >= of.base, [], {}
+        for k, (name, place) in enumerate((one, self.standing.sensors[one]) for one in sensors):
+            rows = R @ of.places[place] * its_own
+            for axis, way in zip("xyz", R if place in of.gradients else (), strict=False):
+                which, slope = (
+                    f"accelerometer-position:{name}:{axis}",
+                    R @ np.tensordot(way, of.gradients[place], axes=1) * its_own,
+                )
+                rows = rows + offsets.get(which, 0.0) * slope
+                beside[which] = k, slope
+            bent.append(rows)
+        return np.vstack(bent), beside
 
     def _seated(self, of: MountedDynamicMass, offsets: Offsets) -> tuple[Seated, dict[str, tuple[Array, Array]]]:
         """How the article of `of` stands at `offsets`, and by parameter d X and d (sum of dp_k E_k), (6, 6) each."""

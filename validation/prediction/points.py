@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from geometry.frames import Array
 from geometry.sensors import AXES, Point, Tolerances
@@ -20,7 +21,6 @@ from validation.effects.effect import OPENED
 from validation.effects.stages import Matrices
 from validation.estimation.problem import Offsets, Parameter
 from validation.model.model import Added
-from validation.prediction import dynamic_mass
 from validation.prediction.effects import Nuisances, limited
 
 RESPONSES = ("accelerometer-misalignment", "accelerometer-position", "wrong-direction", "wrong-place")
@@ -86,6 +86,11 @@ def possible(
     return found
 
 
+def along(matrices: Matrices, place: str, direction: npt.ArrayLike) -> Array:
+    """(k,) what each coordinate moves `place` along `direction` (3,), a unit vector."""
+    return np.asarray(np.asarray(direction, dtype=np.float64) @ matrices.places[place])
+
+
 def stated(matrices: Matrices, points: Sequence[Point]) -> Array:
     """(p, k) of `points` as they are stated."""
     if not points:
@@ -110,21 +115,21 @@ def rows(
         point, word = points[k], targets[-1]
         d = np.asarray(point.direction)
         if family.endswith("-misalignment"):
-            change = dynamic_mass.along(matrices, point.place, np.cross(AXES[word], d))
+            change = along(matrices, point.place, np.cross(AXES[word], d))
         elif family.endswith("-position"):
             if point.place not in matrices.gradients:
                 continue
             change = d @ matrices.gradients[point.place]["xyz".index(word)]
         elif family == "wrong-direction":
-            change = dynamic_mass.along(matrices, point.place, np.asarray(AXES[word]) - d)
+            change = along(matrices, point.place, np.asarray(AXES[word]) - d)
         elif family == "wrong-place":
             if word not in matrices.places:
                 continue
-            change = dynamic_mass.along(matrices, word, d) - own[k]
+            change = along(matrices, word, d) - own[k]
         else:
             if word not in instead:
                 continue
-            change = dynamic_mass.along(matrices, instead[word].place, instead[word].direction) - own[k]
+            change = along(matrices, instead[word].place, instead[word].direction) - own[k]
         changes[name] = (k, change)
     values = np.array(own)
     for name, (k, change) in changes.items():

@@ -271,7 +271,7 @@ class ResponseFunctionTest:
         c, r = len(self.responses), len(self.drives)
         carried = offsets.get(TRANSDUCER, 0.0)
         roves = TRANSDUCER in self._asked and (is_wanted(TRANSDUCER, derivatives) or carried != 0)
-        ways = [dynamic_mass.along(matrices, one.place, axis) for one in self.responses if roves for axis in np.eye(3)]
+        ways = [points.along(matrices, one.place, axis) for one in self.responses if roves for axis in np.eye(3)]
         rows, forces = (np.vstack([one, *ways]) if ways else one for one in (of_responses.values, of_drives.values))
         condensed = dynamic_mass.Condensed.of(matrices, dynamic_mass.turning(f, decay), np.vstack([rows, forces]).T)
         if condensed is not None:

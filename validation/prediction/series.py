@@ -271,7 +271,8 @@ def _with_their_size(of: problem.Measured, campaign: Campaign) -> problem.Measur
     along = pilots(campaign)
     level = smoothed_level(of.frequency, of.values)[:, :, np.isin(of.channels, along)].max(axis=2, keepdims=True)
     noise = np.where(quiet, campaign.cross_motion * level, of.noise)
-    return replace(of, values=np.where(quiet, 0.0, of.values), noise=noise, pilots=tuple(along))
+    unmeasured = tuple(name for name in of.channels if not is_read(name))
+    return replace(of, values=np.where(quiet, 0.0, of.values), noise=noise, pilots=tuple(along), unmeasured=unmeasured)
 
 
 def pilots(campaign: Campaign) -> list[str]:
@@ -672,6 +673,7 @@ class SeriesPrediction:
         if derivatives:
             loaded = tuple(int(k) for k in np.flatnonzero(np.any(A1 != 0, axis=(0, 2))))
             through = A1[:, loaded]
+            beside = {name: structural.pop(name) for name in [*structural] if name.startswith(UNTOLD[1])}
             changes = {name: problem.Conveyed(channels=loaded, through=through, quantities=dH) for name, dH in structural.items()}
             names = [one.name for one in of.parameters if problem.is_wanted(one.name, derivatives)]
             made = of.derivatives(theta, frequency, H, names)
@@ -679,6 +681,8 @@ class SeriesPrediction:
             for name, derivative, here, there in zip(names, made, *still, strict=True):
                 own = np.array(derivative.rows)
                 own[:, :, unknown] += ((name.partition(":")[0] not in UNTOLD) * there.rows - here.rows)[:, :, unknown]
+                if name in beside:  # it sits where the article bends otherwise, too
+                    own += A1[:, list(derivative.channels)] @ beside[name]
                 changes[name] = problem.Change(channels=derivative.channels, rows=own)
         for one, column, change in shares(self.tested, frequency):
             rows[:, column] += at.get(one.name, 0.0) * change

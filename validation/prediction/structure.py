@@ -729,13 +729,12 @@ def _on_basis(
     of a base that is `driven` come before them."""
     used = damping or default_damping(structure)
     made = _on_shapes(structure, free, basis, rows, frequency, used, known=known)
+    moved = _motions(structure, free, basis) if driven else free.expand(basis)
+    slopes = {name: one @ moved for name, one in gradients(structure, tuple(structure.places)).items()}
     if driven:
-        moved = _motions(structure, free, basis)
-        made = _driven(structure, made, moved, cog=cog)
+        made = replace(_driven(structure, made, moved, cog=cog), gradients=slopes)
     else:
         strains = np.where(moves.any(axis=0), 0.0, 1.0)  # rounding beside a stiff joint strains rigid motions as a soft mode does
-        moved = free.expand(basis)
-        slopes = {name: one @ moved for name, one in gradients(structure, tuple(structure.places)).items()}
         stiffness = made.stiffness * np.outer(strains, strains)
         made = replace(made, stiffness=stiffness, cog=cog, rigid=moves, gradients=slopes)
     return ReducedStructure(

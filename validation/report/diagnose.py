@@ -62,17 +62,17 @@ def draw(found: results.Diagnosis, folder: Path) -> tuple[Path, ...]:
     title = f"Diagnosis: {told.get(found.verdict) or named or found.verdict}"
     made = []
     if tried(found):
-        chart = crosscheck.causes_of(found, title, EVIDENCE_NOTE, asked(found))
-        height = 2.5 + 0.46 * len(chart.panels[0].rows)
+        causes = crosscheck.causes_of(found, title, EVIDENCE_NOTE, asked(found))
+        height = 2.5 + 0.46 * len(causes.panels[0].rows)
         room = {"left": 0.235, "right": 0.685, "top": 1 - 1.17 / height, "bottom": 0.98 / height}
-        static.draw_bars(chart, folder / EVIDENCE, size=(13.5, height), room=room, thickness=0.64)
+        static.draw_bars(causes, folder / EVIDENCE, size=(13.5, height), room=room, thickness=0.64)
         made.append(folder / EVIDENCE)
     after = None if found.after is found.before else found.after
     held = f"Used only for checking (held out): {results.listed(found.hold_out)}." if found.hold_out else ""
-    chart = crosscheck.changes_of(found.before, after, title, held)
-    height = 2.9 + 0.62 * sum(len(one.rows) for one in chart.panels)
+    errors = crosscheck.changes_of(found.before, after, title, held)
+    height = 2.9 + 0.62 * sum(len(one.rows) for one in errors.panels)
     room = {"left": 0.19, "right": 0.95, "top": 1 - 1.15 / height, "bottom": 0.95 / height, "hspace": 0.5}
-    static.draw_bars(chart, folder / ERRORS, size=(12.0, height), room=room, thickness=0.36 if chart.legend else 0.5)
+    static.draw_bars(errors, folder / ERRORS, size=(12.0, height), room=room, thickness=0.36 if errors.legend else 0.5)
     nodes = draw_nodes(found.nodes, folder / EVERYWHERE)
     return (*made, folder / ERRORS, *(() if nodes is None else (nodes,)))
 

@@ -471,35 +471,31 @@ def _thick(mesh: Mesh) -> Array:
     return hertz(pairs.values[FREE:][share[FREE:] < IN_PLANE])
 
 
-def _published_thin(number: int, mesh: Mesh) -> Found:
-    return Found(FV12[number], float(_thin_ritz()[number - FREE - 1]))
-
-
 def _thin_mode(number: int, mesh: Mesh) -> Found:
     reference = FV12[number] if number in FV12_CONFIRMED else float(_thin_ritz()[number - FREE - 1])
     return Found(reference, float(_thin(mesh)[number - FREE - 1]))
 
 
-def _published_thick(number: int, mesh: Mesh) -> Found:
-    return Found(FV52[number], float(_in_plane_ritz()[number - 8]))
-
-
-def _thick_mode(number: int, mesh: Mesh) -> Found:
-    return Found(FV52[number], float(_thick(mesh)[number - 8]))
+def _published(values: dict[int, float], ours: Callable[[], Array], first: int, number: int, mesh: Mesh) -> Found:
+    return Found(values[number], float(ours()[number - first]))
 
 
 _ritz = f"Ritz's method, degree {DEGREE}"
 for _k in FV12_CONFIRMED:
-    PLATES.relative(f"FV12 mode {_k}: {_ritz}", "NAFEMS FV12, rounded to 0.0005 Hz", "Hz", 5e-4, _k)(_published_thin)
+    PLATES.relative(f"FV12 mode {_k}: {_ritz}", "NAFEMS FV12, rounded to 0.0005 Hz", "Hz", 5e-4, FV12, _thin_ritz, FREE + 1, _k)(
+        _published
+    )
 for _k, _value in FV12.items():
     _unconfirmed = f"Ritz's method; NAFEMS prints {_value:g} Hz, which nothing confirms"
     _source = "NAFEMS FV12, confirmed by Ritz's method" if _k in FV12_CONFIRMED else _unconfirmed
     PLATES.relative(f"FV12 mode {_k}: hexahedra, two meshes extrapolated", _source, "Hz", 1e-3, _k)(_thin_mode)
 for _k in FV52:
-    PLATES.relative(f"FV52 mode {_k} in the plane: {_ritz}", "NAFEMS FV52", "Hz", 1e-4, _k)(_published_thick)
+    PLATES.relative(f"FV52 mode {_k} in the plane: {_ritz}", "NAFEMS FV52", "Hz", 1e-4, FV52, _in_plane_ritz, 8, _k)(_published)
 for _k in FV52:
     _source = "NAFEMS FV52, confirmed by Ritz's method"
-    PLATES.relative(f"FV52 mode {_k} in the plane: hexahedra", _source, "Hz", 1e-3, _k)(_thick_mode)
+    PLATES.relative(f"FV52 mode {_k} in the plane: hexahedra", _source, "Hz", 1e-3, _k)(
+        lambda number, mesh: Found(FV52[number], float(_thick(mesh)[number - 8]))
+    )
 
 
 @PLATES.relative("FV52 in the plane, Lamé's motion: hexahedra", LAME, "Hz", 1e-3)

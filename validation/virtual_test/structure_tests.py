@@ -509,8 +509,7 @@ def simulate(plan: StructurePlan) -> StructureTest:
 def _swept(plan: StructurePlan, lab: TestedStructure, slowest: float) -> tuple[Campaign, dict[str, float]]:
     """The campaign of a shaker that the structure stands on, and what was drawn for its measurement chain.
 
-    A pick-up beside its stated place reads what a turn of the base does there, as in every virtual test on a shaker, and of what
-    bends what its place does.
+    A pick-up beside its stated place reads what moves there; off a mesh it rides along with what is nearest.
     """
     structure, model, (low, high) = lab.structure, plan.model, plan.band
     scaled = replace(model.tolerances.scaled(plan.tolerances), fmd_inertia=model.fmd_tolerance * plan.tolerances)
@@ -541,7 +540,10 @@ def _swept(plan: StructurePlan, lab: TestedStructure, slowest: float) -> tuple[C
     for effect in shaker.effects:
         chain = effect.chain(chain)
     sensors = Sensors.of(layout, chain, model.gravity)
-    rows = [sensors.upon[k][1] @ structure.places[at.place].toarray() for k, at in enumerate(plan.responses)]
+    rows = []
+    for k, at in enumerate(plan.responses):
+        there = _where(structure, at.place) + chain.position.get(at.name, np.zeros(3))
+        rows.append(sensors.upon[k][1] @ rows_beside(structure, there).toarray())
     made: dict[int, ComplexArray] = {}
 
     def record(run: DrivenRun) -> Array:

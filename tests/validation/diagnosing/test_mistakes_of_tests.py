@@ -1,8 +1,10 @@
 """Discrete mistakes in response functions and tables of modes: named before any fit, and none in sound data."""
 
+import runpy
 import warnings
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +21,25 @@ ANY = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
 POINTS = ("low:x", "low:y", "mid:x", "mid:y", "elbow:x", "elbow:y", "arm:y", "arm:z", "tip:y", "tip:z")
 DRIVES = ("mid:x", "elbow:y", "tip:z")
 NAMES = tuple(point.replace(":", "-") for point in POINTS)
+
+
+MESHED = """format = 1
+model = { title = "Bracket", article = "bracket" }
+[fe_model]
+kind = "mesh"
+units = "mm"
+file = "bracket.msh"
+support = "ground"
+interface = ["underside"]
+[fe_model.places]
+sensor = ["20 mm", "20 mm", "120 mm"]
+low = ["20 mm", "60 mm", "60 mm"]
+rib = ["60 mm", "40 mm", "52 mm"]
+[fe_model.parts]
+foot = { material = "aluminium" }
+wall = { material = "steel", thickness = "3 mm" }
+stiffener = { material = "steel", thickness = "3 mm" }
+"""
 
 
 def study(
@@ -86,20 +107,38 @@ def test_a_place_is_wrong_where_what_else_moves_is_as_expected_and_not_by_what_h
     y[:, 1] += 0.0 if agrees else 0.5 * rng.standard_normal(6)
     size = np.sqrt(np.mean(p**2, axis=1, keepdims=True))
     far = y[:, :1] / _shared_factor(y / size, p / size).real[:, None]  # as it reads, each mode scaled as all of them are
-    elsewhere = SimpleNamespace(at=lambda offsets, derivatives: SimpleNamespace(rows=np.tile(far, (1, 8))[:, None, :, None]))
+    elsewhere = SimpleNamespace(rows=np.tile(far, (1, 8)), parameters=())
     one = SimpleNamespace(
+        rows=p,
+        parameters=(),
         measured=SimpleNamespace(name="table", channels=tuple("abcdefgh")),
         there=SimpleNamespace(places=("far",)),
         effects=(),
         with_effects=lambda effects: (
-            elsewhere
-            if effects[0].named.family == "wrong-place"
-            else SimpleNamespace(at=lambda offsets, derivatives: SimpleNamespace(rows=np.zeros((6, 1, 8, 1))))
+            elsewhere if effects[0].named.family == "wrong-place" else SimpleNamespace(rows=np.zeros((6, 8)), parameters=())
         ),
     )
-    noise = np.full(p.shape, 0.02)
-    found = _of_channels(one, y.astype(complex), p.astype(complex), noise, noise, {"acceleration": {"m/s^2": 1.0}})  # type: ignore[arg-type]
+
+    def read(of: Any) -> Any:
+        return SimpleNamespace(rows=of.rows[:, None, :, None].astype(complex), changes={})
+
+    units = {"acceleration": {"m/s^2": 1.0}}
+    found = _of_channels(one, y.astype(complex), np.full(p.shape, 0.03), units, read)  # type: ignore[arg-type]
     assert [cause.id for cause in found] == ids
+
+
+@pytest.mark.parametrize(("kind", "text"), [("functions", "polarity:low-x"), ("hammer", "wrong-direction:low-z:x")])
+def test_a_mistake_of_a_channel_that_resonances_move_by_all_that_it_reads_is_told_from_the_other_lines(
+    kind: str, text: str, root: Path, tmp_path: Path
+) -> None:
+    """An inverted one read along the axis that is stated as a second mistake, and what reads along another axis was unknown."""
+    runpy.run_path(str(root / "examples" / "own_mesh.py"))["write"](tmp_path / "bracket.msh")
+    model, points = tmp_path / "bracket.toml", ("tip:x", "tip:y", "sensor:x", "sensor:y", "low:x", "low:z", "rib:y")
+    model.write_text(MESHED, encoding="utf-8")
+    given = {"noise": 1.0, "tolerances": 1.0, "band": (100.0, 1300.0), "drives": ("tip:x", "sensor:y"), "responses": points}
+    plan = structure_tests.plan_of(str(model), kind=kind, effects=(text,), seed=1, block=0.0, **given)  # type: ignore[arg-type]
+    structure_tests.simulate(plan).fill(tmp_path / "test")
+    assert named(Study.open(str(model), [str(tmp_path / "test" / "test.toml")])) == [str(parse(text, ANY))]
 
 
 def test_places_that_read_the_same_are_named_together_and_a_place_near_by_is_told(bracket: Path, tmp_path: Path) -> None:

@@ -27,7 +27,7 @@ def test_the_gradient_is_that_of_the_cost_for_every_parameter(lab, away, known, 
     problem = Problem((lab.toy({}, known=known, per_run=per_run, lines=20),))
     cost = cost_of(problem, problem.free(FITTED), FLOOR)
     x = cost.at(away)
-    found, _, _ = cost.total(x)
+    found, _ = cost.total(x)
     for k, parameter in enumerate(cost.free):
         step = 1e-3 / np.sqrt(found.matrix[k, k])
         up, down = (cost.total(x + sign * step * np.eye(len(x))[k])[0].cost for sign in (1, -1))
@@ -196,6 +196,26 @@ def test_many_with_ways_of_their_own_and_rows_that_runs_do_not_share_go_no_commo
     changes = {**of.changes, "bent": Change(channels=(1,), rows=drawn(RUNS, LINES, 1, INPUTS))}
     assert ways(changes, sorted(changes), CHANNELS) is None
     assert ways(changes, sorted(of.changes), CHANNELS) is not None
+
+
+def test_chi2_of_what_was_read_grows_with_its_noise_by_its_freedom_and_stays_below_it_by_what_nobody_measured(drawn):
+    """Inputs that nobody measured are not there at all, or as large as they may be."""
+    draws, read = 20_000, np.arange(CHANNELS) >= 2
+    rows = np.tile(drawn(1, CHANNELS, INPUTS), (draws, 1, 1))
+    rows[:, ~read] = np.eye(2, INPUTS)  # of two inputs a pick-up each, which reads nothing
+    sd = np.abs(drawn(1, 1, CHANNELS)) * np.ones((1, draws, 1))
+    noise, predicted = sd * drawn(1, draws, CHANNELS) / np.sqrt(2), Predicted(rows=rows)
+    for share in (0.0, 1.0):
+        values = noise * np.where(read, 1.0, share)
+        of = ObservedLines(runs=("x",), values=values, noise=sd, floor=0 * sd, inputs=None, unmeasured=~read)
+        count = likelihood.freedom(of, predicted, 0.0).sum() / draws
+        chi2 = np.sum(np.square(np.abs(likelihood.residual(of, predicted, 0.0)[..., read]))) / draws
+        if not share:
+            assert chi2 == pytest.approx(count, rel=0.02)
+        else:
+            Q = np.linalg.qr(rows[0] / sd[0, 0, :, None])[0]
+            assert chi2 == pytest.approx(2 * np.sum(1 - np.sum(np.abs(Q[read]) ** 2, axis=1)), rel=0.02)
+            assert chi2 > 1.02 * count
 
 
 def linear(lab, truth, tolerances):

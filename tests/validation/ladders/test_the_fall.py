@@ -19,7 +19,7 @@ def test_what_tolerances_pay_is_told_over_what_is_due_wherever_it_is_drawn(rung,
     at = HistoryPosition(path=tmp_path / "model.toml", text="", ladder=Ladder(rungs=rungs, current=1), rung=rungs[1])
     seen: list[history.DrawnRung] = []
     monkeypatch.setattr(history, "draw_fall", lambda title, rungs, *rest: seen.extend(rungs))
-    monkeypatch.setattr(history, "draw_inertia", lambda *rest, **more: None)
+    monkeypatch.setattr(history.static, "draw_intervals", lambda *rest: None)
     history.draw(at, tmp_path)
     (price,) = (name for name in history.FITTED if "z²" in name)
     on_paper = [one.errors[price] for one in seen]

@@ -17,7 +17,7 @@ from geometry.frames import Array, rigid_transformation_6
 from geometry.inertia import Inertia
 from geometry.routes import inertia
 from validation.effects.stages import Matrices
-from validation.prediction import dynamic_mass, mounting
+from validation.prediction import dynamic_mass, mounting, points
 from validation.prediction import structure as prediction_structure
 from validation.prediction.effects import nuisances
 from validation.prediction.tangents import FIELDS, Tangent, crossed, full, of_arrays, plus
@@ -167,7 +167,7 @@ def test_a_held_structure_answers_a_force_as_the_whole_one_does(held):
     whole, at = structure("clumod-1"), locations("clumod-1")
     m = held(whole, at).matrices
     assert m.base == 0
-    drive, *responses = (dynamic_mass.along(m, place, [1.0, 0.0, 0.0]) for place in ("mast-top", "mast-top", "hub-1"))
+    drive, *responses = (points.along(m, place, [1.0, 0.0, 0.0]) for place in ("mast-top", "mast-top", "hub-1"))
     found = dynamic_mass.accelerance(m, LINES, responses, drive).matrix
     truth = held_directly(whole, [at["mast-top"], at["hub-1"]], at["mast-top"])
     np.testing.assert_allclose(found[:, :, 0], truth, rtol=0, atol=1e-4 * np.abs(truth).max())  # of `LEFT_OUT`, which is 1e-3
@@ -301,7 +301,7 @@ def test_coordinates_whose_coupling_brings_them_into_the_band_are_solved_at_ever
 
 def test_an_accelerance_is_reciprocal_and_of_one_mass_on_one_spring_the_textbook():
     m = drawn(base=0)
-    one, other = (dynamic_mass.along(m, "tip", axis) for axis in ([1.0, 0, 0], [0, 0, 1.0]))
+    one, other = (points.along(m, "tip", axis) for axis in ([1.0, 0, 0], [0, 0, 1.0]))
     there, back = (dynamic_mass.accelerance(m, FEW_LINES, a, b).matrix for a, b in ((one, other), (other, one)))
     np.testing.assert_allclose(there, back, rtol=1e-9)
     m, k, eta, omega = 2.0, 800.0, 0.05, 2 * np.pi * FEW_LINES
@@ -337,7 +337,7 @@ def turned(held) -> tuple[Matrices, np.ndarray]:
     m = held(structure("clumod-4"), locations("clumod-4")).matrices
     K = m.stiffness - 0.6 * m.parts["mast"]
     m = replace(m, stiffness=K, structural=m.structural + 0.1 * m.parts["mast"])
-    return m, np.array([dynamic_mass.along(m, place, [1.0, 0.0, 0.0]) for place in ("mast-top", "hub-1")])
+    return m, np.array([points.along(m, place, [1.0, 0.0, 0.0]) for place in ("mast-top", "hub-1")])
 
 
 def test_a_structure_is_condensed_to_what_it_does_over_a_band_and_neither_answers_nor_derivatives_change(turned):
@@ -358,7 +358,7 @@ def test_a_structure_is_condensed_to_what_it_does_over_a_band_and_neither_answer
 
 def test_what_turns_two_modes_or_moves_one_is_made_no_whole_matrix_where_it_is_condensed(turned, monkeypatch):
     m, _ = turned
-    rows = np.array([dynamic_mass.along(m, place, [0.6, 0.8, 0.0]) for place in ("mast-top", "hub-1")])
+    rows = np.array([points.along(m, place, [0.6, 0.8, 0.0]) for place in ("mast-top", "hub-1")])
     few = dynamic_mass.Condensed.of(m, 2 * np.pi * LINES, rows.T)
     condensed = dynamic_mass.accelerance(few.matrices, LINES, few.of_rows(rows), few.of_rows(rows[0]))
     answered = dynamic_mass.accelerance(m, LINES, rows, rows[0])

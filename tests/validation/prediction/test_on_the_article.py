@@ -1,7 +1,7 @@
 """Accelerometers on the article: against a direct solution of the whole structure, against differences, and as a fault of one."""
 
 import runpy
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -87,13 +87,17 @@ def test_modes_up_to_the_last_line_of_spectra_are_uncertain_and_a_loss_that_nobo
     assert {one.tolerance for one in stated[0].parameters if one.name.startswith("damping:")} == {0.35}
 
 
-def solved(bracket: Mapping[str, Any], campaign: Campaign, node: int, axis: int, hertz: float) -> Array:
-    """(6,) acceleration of a node for a unit of every motion of F, of the whole matrices: millimetres, tonnes, seconds."""
+def solved(
+    bracket: Mapping[str, Any], campaign: Campaign, node: int, axis: int, hertz: float, beside: Sequence[float] = (0, 0, 0)
+) -> Array:
+    """(6,) acceleration `beside` [m] a node, along the axes of F, for a unit of every motion of F, of the whole matrices:
+    millimetres, tonnes, seconds."""
     _, _, K, M = bracket["bracket"]()
     pose, _ = mounted(campaign)
     D = M - K / (2 * np.pi * hertz) ** 2
     answer = -np.linalg.solve(D[6:, 6:], D[6:, :6] @ np.diag([1e3, 1e3, 1e3, 1, 1, 1]))
-    moved = 1e-3 * answer[6 * (node - 1) : 6 * (node - 1) + 3]
+    own = answer[6 * (node - 1) : 6 * node]
+    moved = 1e-3 * own[:3] + np.cross(own[3:], pose.rotation.T @ np.array(beside), axisa=0, axisc=0)
     R = np.kron(np.eye(2), pose.rotation)
     return np.asarray((pose.rotation @ moved @ R.T @ rigid_transformation_6(pose.position))[axis])
 
@@ -112,6 +116,21 @@ def test_what_they_read_is_that_of_the_whole_structure_solved_directly(
     assert of.dynamic_mass({}).shape[1:] == (6, 6)
     assert of.by_load({}).shape[1:] == (len(of.measured.channels), 6)
     assert len([place for place in of.there.places if place.startswith("@")]) == 2  # where a sensor sits something else may be
+
+
+@pytest.mark.parametrize("axis", "xy")
+def test_one_beside_its_place_reads_what_the_article_bends_there(
+    of: SeriesPrediction, bracket: Mapping[str, Any], campaign: Campaign, axis: str
+) -> None:
+    """It had read the turn of the base there, and what bends at the place where it was said to sit."""
+    line, k, beside = 24, of.measured.channels.index("tip-z"), 0.02 * np.eye(3)["xyz".index(axis)]
+    there = {f"accelerometer-position:tip-z:{axis}": 0.02}
+    moved = of.at(there, derivatives=False).rows[line, k] - of.at({}, derivatives=False).rows[line, k]
+    hertz = float(of.measured.frequency[line])
+    expected, rigid = (
+        np.subtract(*(solved(bracket, campaign, *POINTS["tip-z"], at, by) for by in (beside, (0, 0, 0)))) for at in (hertz, 0.1)
+    )
+    assert_allclose(moved, expected, atol=1e-5 * np.abs(expected - rigid).max())
 
 
 def test_every_derivative_of_theirs_is_that_of_differences(of: SeriesPrediction) -> None:

@@ -13,6 +13,7 @@ from identification import campaign_file
 from identification.campaign import Campaign
 from validation.cli import main
 from validation.compare.maps import Rig
+from validation.diagnose.candidate_fits import goodness_of_fit
 from validation.diagnose.candidates import candidates
 from validation.diagnose.diagnose import require_runs
 from validation.diagnose.diagnosis import Candidate
@@ -22,6 +23,7 @@ from validation.diagnose.unexplained_places import channels, crosstalk
 from validation.estimation.fit import fit
 from validation.estimation.likelihood import floor_of, level_of
 from validation.estimation.problem import DECLARED, FITTED, IDENTIFIED, Problem
+from validation.estimation.verdicts import misfit
 from validation.history.verdict import body_of
 from validation.model.model import Model, difference
 from validation.model.setups import mounted
@@ -126,7 +128,16 @@ def test_motions_that_go_with_the_driven_one_pull_at_no_tolerance_even_at_their_
         found = fit(Problem(predictions(model, [replace(sound, cross_motion=stated)])).thinned(), FITTED)
         z = [abs(x) / one.tolerance for one, x in zip(found.parameters, found.offsets, strict=True)]
         assert max(z) < 3
-        assert found.chi2 < found.degrees_of_freedom
+        assert 0.5 < misfit(found) < 1
+
+
+def test_chi2_of_a_sound_test_is_that_of_noise_and_what_no_tolerance_explains_shows_in_it(simulated, model):
+    """What nobody measured counted as data: of sound tests chi² read 0.05 to 0.13, and with an absorber 0.4."""
+    for hidden, wrong in ((), False), (("absorber:mast-top=m:0.2,f:12,zeta:0.01",), True):
+        problem = Problem(predictions(model, [simulated(*hidden)])).thinned()
+        stands = goodness_of_fit(fit(problem, FITTED), problem)
+        assert stands.misfit > 0.5
+        assert (stands.misfit > 1.5 * stands.limit) == wrong
 
 
 def test_without_load_cells_no_fmd_is_identified_and_what_stands_on_none_is_shaken_by_its_table(

@@ -232,16 +232,6 @@ PANELS = {"mass and moments [%]": (0, 4, 5, 6), "CoG [mm]": (1, 2, 3), "products
 """What shares a unit, by number in `QUANTITIES`."""
 
 
-def draw_inertia(title: str, bodies: Mapping[str, Body], path: Path, note: str = "") -> None:
-    """Write ten identified values of `bodies`, by rung, with their 95 % intervals, each beside its reference.
-
-    Raises
-    ------
-    BadInput : the ending of `path` is unknown.
-    """
-    static.draw_intervals(intervals_of(bodies, title, note), path)
-
-
 def identified_inertia(bodies: Mapping[str, Body], title: str = "", *, dark: bool = False) -> Figure:
     """Distance of ten identified values from their reference, with 95 % intervals."""
     chart = intervals_of(bodies, title or "Identified inertia beside its reference, 95 % intervals")
@@ -273,7 +263,7 @@ def draw(at: HistoryPosition, folder: Path) -> list[Path]:
     for article in dict.fromkeys(body.article for one in way for body in one.bodies):
         bodies = {f"{one.number}  {one.title}": body for one in way for body in one.bodies if body.article == article}
         found.append(folder / f"{name}-ladder-{article.replace('+', '-')}.png")
-        draw_inertia(f"{article}: identified inertia", bodies, found[-1], note)
+        static.draw_intervals(intervals_of(bodies, f"{article}: identified inertia", note), found[-1])
     return found
 
 
