@@ -666,13 +666,7 @@ class SupportedDynamicMass:
         }
 
     def sensed(
-        self,
-        solved: "SolvedStructure | None",
-        offsets: Offsets,
-        frequency: Array,
-        sensors: Sequence[str],
-        *,
-        derivatives: Wanted,
+        self, solved: "SolvedStructure | None", offsets: Offsets, frequency: Array, sensors: Sequence[str], *, derivatives: Wanted
     ) -> tuple[ComplexArray, Tangents]:
         """(n, 3 a, 6) accelerations along the axes of F at the accelerometers `sensors` of what was `solved`, beyond those of a
         rigid article, for a unit of every motion of F; and how they answer to the parameters of which `derivatives` are wanted.

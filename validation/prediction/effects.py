@@ -719,16 +719,19 @@ def _parameter(named: Named, size: SizeSpec, structure: Nuisances | None = None)
     made = replace(made, low=low, high=high)
     if structure is None or structure.reduced is None or not named.targets:
         return made
-    return limited(made, structure.reduced.structure, position(named.target) or named.target)
+    return limited(made, structure.reduced.structure, named.target)
 
 
-def limited(one: Parameter, whole: Structure, at: npt.ArrayLike | str, direction: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Parameter:
+def limited(
+    one: Parameter, whole: Structure, at: npt.ArrayLike | str | None, direction: npt.ArrayLike = (0.0, 0.0, 0.0)
+) -> Parameter:
     """`one`, of an effect `at` a place of a structure, a name or (3,) [m], and along `direction`, within what its family allows
     there; where it stands is always allowed."""
     if (limits := FAMILIES[one.family].limits) is None:
         return one
-    point = (position_of(whole, at) if at in whole.places else None) if isinstance(at, str) else np.asarray(at)
-    low, high = limits(whole, point, np.asarray(direction))
+    if isinstance(at, str):
+        at = position(at) or (position_of(whole, at) if at in whole.places else None)
+    low, high = limits(whole, None if at is None else np.asarray(at), np.asarray(direction))
     return replace(one, low=max(one.low, min(one.start, low)), high=min(one.high, max(one.start, high)))
 
 

@@ -31,16 +31,7 @@ from identification.spectra.line_spectra import Spectra, hann
 from identification.spectra.noise import of_block, of_full_record
 from identification.spectra.of_campaign import OTHERWISE, between, by_level, lines_of, spectra, stated_drives
 from validation.effects.catalogue import FAMILIES, There, acts
-from validation.effects.effect import (
-    AMPLITUDE,
-    BODY_STAGE,
-    CHANNEL_STAGE,
-    NOISE_STAGE,
-    OPENED,
-    PROCESSING,
-    STRUCTURE_STAGE,
-    position,
-)
+from validation.effects.effect import AMPLITUDE, BODY_STAGE, CHANNEL_STAGE, NOISE_STAGE, OPENED, PROCESSING, STRUCTURE_STAGE
 from validation.effects.stages import ChannelResponse, NoiseModel, leak
 from validation.estimation import problem
 from validation.estimation.fit import FLOOR
@@ -409,8 +400,8 @@ class TestedCampaign:
                     continue  # of no pick-up, nor of a board that has none
                 standing, (_, name, word) = carried.standing, f"{one.name}::".split(":")[:3]
                 if standing.reduced is not None and name in standing.sensors:  # it cannot leave what it sits on
-                    place, way = position(standing.sensors[name]), standing.pose.rotation.T @ AXES.get(word, (0.0, 0.0, 0.0))
-                    one = prediction_effects.limited(one, standing.reduced.structure, place or "", way)
+                    way = standing.pose.rotation.T @ AXES.get(word, (0.0, 0.0, 0.0))
+                    one = prediction_effects.limited(one, standing.reduced.structure, standing.sensors[name], way)
                 own.append(replace(one, channels=(), kind=KINDS.get(one.family, problem.SENSOR)))
             # Without load cells nobody reads by what an FMD could be identified: it is what is declared of it
             known = [family for family, kind in KINDS.items() if kind == problem.DECLARED]

@@ -666,7 +666,7 @@ def by_itself(structure: Structure, band: float, *, damping: Damping | None = No
     if np.any(values <= LOOSE * strain):
         raise CheckFailed(
             f"{np.sum(values <= LOOSE * strain)} modes beside the rigid ones have zero frequency: part of the structure swings "
-            "freely. Hold it, or stiffen the joint.",
+            "freely. Hold it, or stiffen the joint."
         )
     frequency = np.sqrt(values) / (2 * np.pi)
     factor = None if rigid.size else pairs.factor
@@ -738,13 +738,7 @@ def _on_basis(
         stiffness = made.stiffness * np.outer(strains, strains)
         made = replace(made, stiffness=stiffness, cog=cog, rigid=moves, gradients=slopes)
     return ReducedStructure(
-        structure=structure,
-        damping=damping,
-        band=band,
-        matrices=made,
-        frequency=frequency,
-        losses=used.loss_factors,
-        basis=moved,
+        structure=structure, damping=damping, band=band, matrices=made, frequency=frequency, losses=used.loss_factors, basis=moved
     )
 
 
