@@ -236,14 +236,18 @@ def limits_of_mass(structure: Structure, point: Array | None, direction: Array) 
 
 
 AROUND = 0.02
-"""[share] of a structure's size by which what sits on it may be beside its nodes. By definition."""
+"""[share] of a structure's size by which what sits on it may be beside the surface of its elements. By definition."""
 
 
 def limits_of_shift(structure: Structure, point: Array | None, direction: Array) -> tuple[float, float]:
     """[m] How far what sits at `point` (3,) can be from there along `direction` (3,) and still be on it, if that is known."""
     if point is None or not len(structure.points):
         return -np.inf, np.inf
-    away, wide = (structure.points - point) @ direction, AROUND * float(np.ptp(structure.points, axis=0).max())
+    away, size = (structure.points - point) @ direction, float(np.ptp(structure.points, axis=0).max())
+    if structure.elements is None and np.ptp(away) <= AROUND * size:  # nobody knows how wide it is
+        return -np.inf, np.inf
+    parts = {} if structure.elements is None else structure.elements.parts
+    wide = AROUND * size + max((one.reach for one in parts.values()), default=0.0)
     return min(float(away.min()), 0.0) - wide, max(float(away.max()), 0.0) + wide
 
 

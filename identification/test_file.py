@@ -93,7 +93,7 @@ def table_of(test: ResponseFunctions | ModalTable, file: str) -> Mapping[str, An
 def seen(file: str | Path, out: Path, where: str) -> str:
     """What a file at `out` calls `file`, which `where` names and which must lie in the folder of `out` or below."""
     found = os.path.relpath(file, out.resolve().parent)
-    if found.startswith(".."):
+    if Path(found).parts[:1] == ("..",):
         problem = f"{file} does not lie in {out.resolve().parent} or below"
         raise BadInput(source=where, problem=problem, remedy="Write what names it beside its data")
     return found.replace(os.sep, "/")

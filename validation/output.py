@@ -317,10 +317,9 @@ def require_folder(folder: Path, option: str) -> None:
     ------
     BadInput : see `require_file`; one that is named like a page, a table or a picture.
     """
-    if folder.suffix.lower() in OF_FILES and not folder.is_dir():
-        problem = f"{folder} is named like a file, and several are written into a folder"
-        remedy = f"Name a new folder, such as {folder.with_suffix('')}; `massline report` writes one page"
-        raise BadInput(source=option, problem=problem, remedy=remedy)
+    if folder.is_file() or (folder.suffix.lower() in OF_FILES and not folder.is_dir()):
+        problem = f"{folder} is {'' if folder.is_file() else 'named like '}a file, and several are written into a folder"
+        raise BadInput(source=option, problem=problem, remedy="Name a new folder; `massline report` writes one page")
     _tried(probe_folder, folder, option)
 
 

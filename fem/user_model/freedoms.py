@@ -360,12 +360,7 @@ def _motion(
 
 
 def _springs(
-    joint: StatedJoint,
-    stiffness: Array,
-    motions: dict[str, Motion],
-    structure: Structure,
-    description: Description,
-    where: str,
+    joint: StatedJoint, stiffness: Array, motions: dict[str, Motion], structure: Structure, description: Description, where: str
 ) -> Sparse:
     """K (n, n) of the six springs of `joint` between two places, or one and the ground, about its own place."""
     from scipy.sparse import csr_array, diags_array

@@ -128,10 +128,10 @@ def test_what_was_mistaken_is_said_at_every_door(refused, campaign, arguments, w
 )
 def test_what_is_named_like_a_page_or_is_a_file_is_no_folder(refused, campaign, arguments):
     said = refused(*arguments, "--out", "out/x.html")
-    assert "x.html is named like a file, and several are written into a folder. Name a new folder, such as out/x;" in said
+    assert "x.html is named like a file, and several are written into a folder. Name a new folder;" in said
     assert not (campaign.parents[1] / "out").exists()
     (campaign.parents[1] / "taken").write_text("a file")
-    assert "--out: taken cannot be written: Not a directory" in refused(*arguments, "--out", "taken")
+    assert "--out: taken is a file, and several are written into a folder" in refused(*arguments, "--out", "taken")
 
 
 def test_coordinates_are_asked_of_a_structure_that_has_none(refused, tmp_path):

@@ -292,7 +292,11 @@ def test_a_file_or_a_full_folder_is_no_place_for_a_campaign(refused):
     Path("file").write_text("mine")
     Path("full").mkdir()
     Path("full", "data.csv").write_text("mine")
-    for name, says in (("file", "it is a file"), ("full", "it is there, and not empty"), (".", "runs in this folder")):
+    for name, says in (
+        ("file", "file is a file, and several"),
+        ("full", "it is there, and not empty"),
+        (".", "runs in this folder"),
+    ):
         assert says in refused("simulate", "fmd+cuboid", "--out", name, *FAST)
 
 

@@ -691,13 +691,14 @@ def of_a_class(one: Cause, alike: Sequence[Cause]) -> Cause:
     sizes = [each for each in sizes if each.value * one.sizes[0].value > 0]
     if len(sizes) < 2:
         return one
-    over = replace(one.sizes[0], low=min(each.low for each in sizes), high=max(each.high for each in sizes))
+    own, *others = one.sizes
+    over = replace(own, low=min(own.low, *(each.low for each in sizes)), high=max(own.high, *(each.high for each in sizes)))
     looked_for = any(position(target) is not None for target in one.named.targets)
-    _, low, high, unit = interval(one, one.sizes[0] if looked_for else over)
-    places, to = f"all {len(sizes)} that they cannot tell apart", f"it is {low} to {high} {unit}".rstrip()
+    _, low, high, unit = interval(one, own if looked_for else over)
+    places, to = f"the {len(sizes)} of this class", f"it is {low} to {high} {unit}".rstrip()
     if not looked_for:
         return replace(one, note=f"an interval is that of one place; over {places} {to}")
-    return replace(one, sizes=(over, *one.sizes[1:]), note=f"the interval is over {places}; at this place alone {to}")
+    return replace(one, sizes=(over, *others), note=f"the interval is over {places}; at this place alone {to}")
 
 
 AT_LEAST, AT_MOST = "at least", "at most"

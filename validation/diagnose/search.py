@@ -661,8 +661,11 @@ def _rivals(
         limit=min(INDISTINGUISHABLE_NATS / best.evidence, GOOD_PART),
     )
     by_id = {one.id: one.added for one in found if one.id not in known}
-    here = [id for id, one in by_id.items() if len(best.candidate.effects) > 1 and one.named.targets == best.added.named.targets]
-    return [by_id[id] for id in dict.fromkeys((*[id for id in near if id in by_id][:FEW], *here))]
+    beside = len(best.candidate.effects) > 1 and FAMILIES[best.family].side == STRUCTURE
+    there = [one for one in by_id.values() if beside and FAMILIES[one.named.family].side == STRUCTURE]
+    here = [one for one in there if one.named.targets == best.added.named.targets and not is_resonator(one.named)]
+    alike = [by_id[id] for id in near if id in by_id][:FEW]
+    return [*alike, *(one for one in here[:FEW] if one not in alike)]
 
 
 def _at_sizes(one: Added, other: Added) -> Added:

@@ -270,7 +270,7 @@ class Problem:
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The union of all, by name; of a sensor or an effect that is stated twice the smaller tolerance and the higher floor.
+        """The union of all, by name; of a sensor or an effect that is stated twice the smaller tolerance and the narrower range.
 
         Raises
         ------
@@ -285,8 +285,9 @@ class Problem:
                     continue
                 # One sensor, stated twice; an effect that one data set shows more of, or one structure can lose less of; an
                 # FMD that one identifies: both are true
-                least, low = min(first.tolerance, parameter.tolerance), max(first.low, parameter.low)
-                both, other = (replace(one, tolerance=least, low=low) for one in (first, parameter))
+                low, high = max(first.low, parameter.low), min(first.high, parameter.high)
+                least = min(first.tolerance, parameter.tolerance)
+                both, other = (replace(one, tolerance=least, low=low, high=high) for one in (first, parameter))
                 if first.kind in (SENSOR, EFFECT) and said_alike(both) == said_alike(other):
                     found[parameter.name] = (both, said_by)
                     continue

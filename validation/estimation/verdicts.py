@@ -233,7 +233,8 @@ def due_misfit(of: Fit, problem: Problem, *, as_read: bool = True) -> float | No
         counts = freedom(seen, prediction.at(of.by_name, lines, derivatives=False), FLOOR)
         for k, run in enumerate(seen.runs):
             own = C @ by_run[prediction.measured.name, run].matrix
-            count = float(np.sum(counts[k]))
+            if not (count := float(np.sum(counts[k]))):
+                continue  # inputs that nobody measured take all
             share = float(np.sum(counts[k] * np.square(read[k]) / variance[k])) / count
             found += share * (count - 2 * float(np.trace(own)) + float(np.sum(own * CM.T)))
     return found / max(of.degrees_of_freedom, 1)

@@ -513,7 +513,7 @@ def draft(article: str, out: Path | None = None) -> Model:
             is_model_file = path.name != DESCRIPTION  # `read` says what is wrong with it
         if is_model_file:
             found, at = read(article), out or Path("model.toml")
-            if article in found.own.values() and at.resolve() == path.resolve():
+            if at.resolve() in {Path(one).resolve() for one in found.own.values()}:
                 problem = "the structure that it describes would not be in it any more"
                 raise BadInput(source=str(out), field="--out", problem=problem, remedy="Name another file")
             return replace(found, source=str(at), tests=tuple(test_file.moved(one, article, at) for one in found.tests))

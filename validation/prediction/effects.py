@@ -727,7 +727,7 @@ def limited(
 ) -> Parameter:
     """`one`, of an effect `at` a place of a structure, a name or (3,) [m], and along `direction`, within what its family allows
     there; where it stands is always allowed."""
-    if (limits := FAMILIES[one.family].limits) is None:
+    if one.family not in FAMILIES or (limits := FAMILIES[one.family].limits) is None:
         return one
     if isinstance(at, str):
         at = position(at) or (position_of(whole, at) if at in whole.places else None)

@@ -753,7 +753,7 @@ def gradients(structure: Structure, places: Sequence[str]) -> dict[str, Array]:
     """
     if structure.elements is None and not len(structure.points):
         return {}
-    size = float(np.ptp(structure.points, axis=0).max()) if len(structure.points) else 1.0
+    size = (float(np.ptp(structure.points, axis=0).max()) if len(structure.points) else 0.0) or 1.0
     found = {}
     for name in places:
         if (at := position_of(structure, name)) is None:

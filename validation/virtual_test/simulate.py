@@ -245,12 +245,7 @@ def _whole(plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun) -> planni
 
 
 def sensed(
-    plan: planning.Plan,
-    layout: Layout,
-    run: DrivenRun,
-    values: Array,
-    rate: float,
-    response: recorder.Response | None = None,
+    plan: planning.Plan, layout: Layout, run: DrivenRun, values: Array, rate: float, response: recorder.Response | None = None
 ) -> planning.Sensed:
     """`values` (n, c) of `run` as effects get them."""
     what = "record" if response is None else "signals"

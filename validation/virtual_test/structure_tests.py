@@ -539,8 +539,9 @@ def _swept(plan: StructurePlan, lab: TestedStructure, slowest: float) -> tuple[C
     chain = shaker.drawn_chain(layout)
     for effect in shaker.effects:
         chain = effect.chain(chain)
-    sensors = Sensors.of(layout, chain, model.gravity)
-    rows = []
+    # What sits beside its place on the article is read from there, with all that the base does to it
+    elsewhere = {name: beside for name, beside in chain.position.items() if name not in shaker.on_article}
+    sensors, rows = Sensors.of(layout, replace(chain, position=elsewhere), model.gravity), []
     for k, at in enumerate(plan.responses):
         there = _where(structure, at.place) + chain.position.get(at.name, np.zeros(3))
         rows.append(sensors.upon[k][1] @ rows_beside(structure, there).toarray())

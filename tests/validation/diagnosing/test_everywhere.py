@@ -439,7 +439,7 @@ def test_a_mass_at_a_node_and_at_its_mirror_image_is_one_name_where_no_sensor_pa
         assert set(parting.separates) == {brought.id, mirror}
         assert parting.gain > 20
         (cause,) = found.accepted
-        assert cause.note.startswith("the interval is over all 2 that they cannot tell apart; at this place alone it is ")
+        assert cause.note.startswith("the interval is over the 2 of this class; at this place alone it is ")
         tried = [one.sizes[0] for one in found.ranking if one.id in {brought.id, mirror}]
         assert (cause.sizes[0].low, cause.sizes[0].high) == (min(one.low for one in tried), max(one.high for one in tried))
     assert (mirror.partition(":")[2] in data.model.looked_at) == alike

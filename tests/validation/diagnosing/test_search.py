@@ -712,8 +712,8 @@ def noisy(monkeypatch) -> Any:
 
 def of_spread(spread: float, scatter: float = 0.0, discrepancy: float = 0.0) -> SimpleNamespace:
     """A data set whose noise is known so well."""
-    measured = SimpleNamespace(noise_spread=spread, discrepancy=discrepancy, noise_scatter=scatter, is_real=False, read=None)
-    return SimpleNamespace(measured=measured)
+    told = {"noise_spread": spread, "discrepancy": discrepancy, "noise_scatter": scatter}
+    return SimpleNamespace(measured=SimpleNamespace(**told, is_real=False, read=None, unmeasured=()))
 
 
 def one_far(z: float) -> np.ndarray:

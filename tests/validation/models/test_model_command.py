@@ -224,7 +224,8 @@ def test_a_model_file_is_written_anew_into_any_folder_from_which_its_files_are_s
     assert 'frame" = "there/frame.toml"' in run("model", "there/frame.toml")[1]
     (tmp_path / "elsewhere").mkdir()
     assert "there/data.csv does not lie in" in refused("model", "there/frame.toml", "--out", "elsewhere/anew.toml")
-    said = refused("model", "there/frame.toml", "--out", "there/frame.toml", "--force")
-    assert "the structure that it describes would not be in it any more" in said
+    for source in ("there/frame.toml", "above.toml"):
+        said = refused("model", source, "--out", "there/frame.toml", "--force")
+        assert "the structure that it describes would not be in it any more" in said
     (tmp_path / "there" / "frame.toml").write_text(three_floors())
     assert run("model", "there/frame.toml", "--out", "elsewhere/anew.toml")[0] == 0

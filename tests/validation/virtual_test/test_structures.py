@@ -199,16 +199,20 @@ def test_a_base_moves_a_structure_and_what_ties_it_to_the_ground_as_whole_matric
                 assert np.abs(found - due).max() < (1e-8 if whole else 1e-4) * np.abs(due).max()
 
 
-@pytest.mark.parametrize("kind", ["base", "base-forces"])
-def test_without_noise_and_tolerances_a_base_test_is_what_its_own_model_predicts(kind: str, on_base: Path, run: Any) -> None:
-    """The one answers by whole matrices and by records in time, the other by some coordinates at lines."""
-    code, _, err = run(*asked(kind, "--tolerances", "off", "--noise", "off", "--out", "test"))
+@pytest.mark.parametrize(("kind", "beside"), [("base", 0.0), ("base", 0.006), ("base-forces", 0.0), ("base-forces", 0.006)])
+def test_without_noise_and_tolerances_a_base_test_is_what_its_own_model_predicts(
+    kind: str, beside: float, on_base: Path, run: Any
+) -> None:
+    """The one answers by whole matrices and by records in time, the other by some coordinates at lines, also where a pick-up sits
+    `beside` [m] its place: the turn of the base had been read twice there."""
+    hidden, nothing = "accelerometer-position:b-y:z", ("--tolerances", "off", "--noise", "off")
+    code, _, err = run(*asked(kind, *nothing, *(("--effect", f"{hidden}={beside}") if beside else ()), "--out", "test"))
     assert code == 0, err
     (of,) = Study.open(on_base, ["test"]).made
     below = [k for k, name in enumerate(of.measured.channels) if name.startswith("cover" if kind == "base-forces" else "table")]
     others = [k for k, name in enumerate(of.measured.channels) if k not in below and not name.startswith("table")]
     assert len(others) == (13 if kind == "base-forces" else 5)
-    rows = of.at({}, derivatives=False).rows
+    rows = of.at({hidden: beside}, derivatives=False).rows
     for values in of.measured.values:
         base = np.stack([np.linalg.lstsq(R[below], y[below], rcond=None)[0] for R, y in zip(rows, values, strict=True)])
         away = np.einsum("ncj,nj->nc", rows, base) - values
@@ -224,10 +228,11 @@ def test_a_frame_of_a_few_lines_stands_on_a_base(moves: str, kind: str, run: Any
     code, out, err = run("compare", "mast.toml", "test", "--json")
     assert code == 0, err
     assert json.loads(out)["fitted_chi2_per_dof"] < 1e-3
-    # No pick-up of it leaves the mast, 800 mm of it and a fiftieth of that around
+    # No pick-up of it leaves the mast, 800 mm of it, half its width of 30 mm and a fiftieth of its length around
     moved = {one.name: one for one in Study.open("mast.toml", ["test"]).made[0].parameters}
-    assert moved["accelerometer-position:middle-x:z"].bounds(plain=False) == pytest.approx((-0.416, 0.416))
-    assert moved["accelerometer-position:tip-x:z"].bounds(plain=False) == pytest.approx((-0.816, 0.016))
+    assert moved["accelerometer-position:middle-x:z"].bounds(plain=False) == pytest.approx((-0.431, 0.431))
+    assert moved["accelerometer-position:tip-x:z"].bounds(plain=False) == pytest.approx((-0.831, 0.031))
+    assert moved["accelerometer-position:middle-x:y"].bounds(plain=False) == pytest.approx((-0.031, 0.031))
 
 
 def test_what_load_cells_lose_is_open_where_the_band_comes_near_what_swings_on_them(on_base: Path, run: Any) -> None:
