@@ -185,7 +185,7 @@ def test_what_cannot_be_is_refused_by_the_option_that_asked_for_it(refused, word
 @pytest.mark.parametrize("option", ["--plot", "--animate"])
 def test_pictures_that_could_not_be_written_are_refused_before_anything_swings(refused, option):
     Path("out").write_text("not a folder")
-    assert f"{option}: out cannot be written" in refused("swing", "cuboid", option)
+    assert f"{option}: out is a file, and several are written into a folder" in refused("swing", "cuboid", option)
 
 
 def test_a_record_in_which_noise_drowns_the_swing_is_refused_as_any_record_would_be(refused):

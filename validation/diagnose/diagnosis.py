@@ -695,10 +695,10 @@ def of_a_class(one: Cause, alike: Sequence[Cause]) -> Cause:
     over = replace(own, low=min(own.low, *(each.low for each in sizes)), high=max(own.high, *(each.high for each in sizes)))
     looked_for = any(position(target) is not None for target in one.named.targets)
     _, low, high, unit = interval(one, own if looked_for else over)
-    places, to = f"the {len(sizes)} of this class", f"it is {low} to {high} {unit}".rstrip()
+    count, to = len(sizes), f"it is {low} to {high} {unit}".rstrip()
     if not looked_for:
-        return replace(one, note=f"an interval is that of one place; over {places} {to}")
-    return replace(one, sizes=(over, *others), note=f"the interval is over {places}; at this place alone {to}")
+        return replace(one, note=f"an interval is that of one place; over all {count} that they cannot tell apart {to}")
+    return replace(one, sizes=(over, *others), note=f"the interval is over the {count} of this class; at this place alone {to}")
 
 
 AT_LEAST, AT_MOST = "at least", "at most"
