@@ -50,7 +50,6 @@ KINDS = {
 STRUCTURES = ("frame", "mesh", "assembly", "matrices", "modal")
 """Kinds that [fe_model] may have, and no file."""
 
-
 FOLDERS = {"campaign.toml": "a campaign", "test.toml": "a test"}
 """Whose folder it is that holds the file."""
 

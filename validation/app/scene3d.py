@@ -409,7 +409,8 @@ def of_test(
             body = Outline.of(one.whole.structure, points).moving(article, shown)
             x, y, z = 1e3 * points[np.argmax(evidence)]
             most = f"{WORDS[kind]}: at most {evidence.max():.3g} nats, at ({x:.4g}, {y:.4g}, {z:.4g}) mm; grey explains nothing."
-            note = f"{most} Each node alone, to first order: the table has the best at finite sizes, less what all looking costs."
+            alone = "Each node alone, to first order: the table has the best at finite sizes, less what looking everywhere costs."
+            note = f"{most} {alone}"
         table = Turntable((body,), sensors, nodes=nodes)
         note += " A click on a node asks what something there would do." if nodes is not None else ""
         return Turned(table=table, label=f"{name}: structure and sensors", note=note)

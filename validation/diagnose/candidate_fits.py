@@ -101,7 +101,8 @@ def goodness_of_fit(fit: Fit, problem: Problem) -> GoodnessOfFit:
         sums.append(float(np.sum(count * s)))
     spreads = np.array([one.measured.noise_spread for one in problem.predictions])
     sd = float(np.linalg.norm(spreads * np.array(sums)) / max(np.array(sums).sum(), tiny))
-    due, share = max(expected_z2(fit), 1.0), float(np.average(np.concatenate(shares), weights=np.concatenate(counts)))
+    weights = np.maximum(np.concatenate(counts), tiny)  # inputs that nobody measured may take all
+    due, share = max(expected_z2(fit), 1.0), float(np.average(np.concatenate(shares), weights=weights))
     left = 1.0 if (own := due_misfit(fit, problem, as_read=False)) is None else min(max(own, 0.0) / share, 1.0)
     return GoodnessOfFit(
         misfit=misfit(fit),

@@ -487,7 +487,7 @@ def _moved(named: Named, point: Sequence[float], size: float) -> Named:
 
 
 def _least_of_rivals(gain: float) -> float:
-    """[nats] that another node must bring if it may bring as much as one with that `gain` once tolerances follow: something."""
+    """[nats], not below 0, that another node must bring to be as good as one with that `gain` once tolerances follow."""
     return max((1 - SCREENING_ERROR) * gain - SCREENING_MARGIN, 0.0)
 
 

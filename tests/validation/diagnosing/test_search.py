@@ -737,6 +737,15 @@ def test_the_misfit_of_a_null_is_the_share_of_noise_and_an_estimate_of_the_noise
     )
 
 
+def test_where_what_nobody_measured_takes_every_reading_the_limit_is_that_of_noise_still(noisy, monkeypatch):
+    """A mean over readings that count for nothing had ended in a division by zero."""
+    limit = candidate_fits.goodness_of_fit(fitted(), noisy).limit
+    (one,) = noisy.predictions
+    one.measured.unmeasured, one.at = ("unmeasured-x",), lambda offsets, lines, derivatives: offsets
+    monkeypatch.setattr(candidate_fits, "freedom", lambda seen, predicted, floor: np.zeros(seen.noise.shape))
+    assert_allclose(candidate_fits.goodness_of_fit(fitted(), noisy).limit, limit, rtol=1e-12)
+
+
 def test_a_class_that_admits_a_discrepancy_is_judged_by_replicated_data(noisy):
     """Residuals of the whole variance, half of it noise, come to chi² = 1 on average, and stay below the limit."""
     noisy.predictions = (of_spread(0.0, discrepancy=1.0),)
