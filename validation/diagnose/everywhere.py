@@ -28,9 +28,11 @@ from geometry.frames import Array, Integers
 from identification.self_calibration.solve import inverse
 from validation.diagnose import unexplained_fit as fit
 from validation.diagnose.candidate_fits import (
+    ABSURD,
     CandidateFit,
     can_restart,
     candidate_fit,
+    declared,
     fit_in_place,
     fit_with,
     goodness_of_fit,
@@ -593,7 +595,7 @@ def without_a_name(
     least = -np.inf  # of what is seen from where tolerances are declared, beside a fit that leaves nothing
     for k, (one, from_afar, here) in enumerate(begins):
         progress((1 + k / len(begins)) / 2)
-        kind, most, some = one.kind, -np.inf, [here]
+        kind, most, some, beside = one.kind, -np.inf, [here], None
         if kind == RESONATOR and any(one.evidence < each.evidence + INDISTINGUISHABLE_NATS for each in found.values()):
             continue
         if from_afar and one.evidence < least:
@@ -608,7 +610,10 @@ def without_a_name(
                 start, effect = replace(base, problem=ready.problem(base.effects)), Added(named=each)
                 way, enough = restarted_from_priors if can_restart(effect) else fit_with, worth(base, tried)
                 with suppress(CheckFailed):  # over the coordinates of this node the model breaks down
-                    there = way(ready, start, effect, worth=enough)
+                    if beside is not None:
+                        there = fit_in_place(ready, beside, start, effect, worth=min(enough, beside.fit.cost + SCREENING_MARGIN))
+                    else:
+                        there = way(ready, start, effect, worth=enough)
                     tried.append(candidate_fit(base, there))
                     ends.append((there.fit.log_evidence, there, each, ready))
             best, there, here, ready = max(ends, key=lambda end: end[0], default=(-np.inf, base, here, data))
@@ -629,7 +634,7 @@ def without_a_name(
                 break
             node, _, size = search.nearby(kind, np.array(point), fitted.value)
             stays = at_position(search.points[node]) == here.target
-            further = search.neighbours(kind, node, size) if stays else [(node, size)]
+            further, beside = (search.neighbours(kind, node, size), there) if stays else ([(node, size)], None)
             some = [_moved(here, search.points[other], value) for other, value in further]
     on = [one for one in base.problem.predictions if isinstance(one, OnNodes)]
     structures = {_known(one).configuration: whole.structure for one in on if (whole := nodes_of(one))}
@@ -661,7 +666,8 @@ def elsewhere(data: Study, rest: Candidate, there: Candidate) -> tuple[tuple[Stu
     that is ready for all of them: the modes of what is sound do not hold how what carries a large mass bends.
 
     Tolerances are followed from where they stand with it, once as far as they can with it and once as far as they can without:
-    along the lines of a spectrum the one errs, of a table of modes the other. Where it has a name, a node that has none must
+    along the lines of a spectrum the one errs, of a table of modes the other. Where they stand absurdly far they pay for a wrong
+    place, and hills are asked from where they are declared, too. Where it has a name, a node that has none must
     bring more than it by what tells two explanations apart, and by what it costs to have looked at all: that [nats] is the third.
     """
     added = there.effects[-1]
@@ -669,15 +675,21 @@ def elsewhere(data: Study, rest: Candidate, there: Candidate) -> tuple[tuple[Stu
     if not kind:
         return ()
     offsets = {**rest.problem.start, **{one: x for one, x in there.fit.by_name.items() if one in rest.problem.by_name}}
-    without = replace(rest, fit=_standing(rest.problem, rest.fit, offsets))
+    absurd = goodness_of_fit(there.fit, there.problem).largest >= ABSURD
+    stands = [offsets, *([declared(rest.problem, rest.fit)] if absurd else [])]
+    without, *at_home = (tuple(MeshSearch.of(replace(rest, fit=_standing(rest.problem, rest.fit, each)))) for each in stands)
+    searches = [(one, False) for one in (*MeshSearch.in_place_of(data, there, rest.fit.cost - there.fit.cost), *without)]
+    searches += [(one, True) for each in at_home for one in each]
     found, named = dict[str, tuple[Added, float]](), position(here)
-    for search in (*MeshSearch.in_place_of(data, there, rest.fit.cost - there.fit.cost), *MeshSearch.of(without)):
+    for search, far in searches:
         point = None if named is None else np.array(named)
         if here in search.whole.structure.places:
             point = position_of(search.whole.structure, here)
         if point is None:
             continue
-        node, _, size = search.nearby(kind, point, added.named.value)
+        size, tops = added.named.value, search.hills(kind, point, [added.named.value], itself=True) if far else []
+        top, _, size = max(tops, key=lambda one: one[1], default=(None, 0.0, size))
+        node, _, size = search.nearby(kind, point if top is None else search.points[top], size)
         place = at_position(search.points[node])
         again = _moved(added.named, search.points[node], size)
         if again.id not in {one.named.id for one in there.effects} and not np.allclose(search.points[node], point):

@@ -45,9 +45,9 @@ from validation.diagnose.landmark_search import DistantView, FromAfar
 from validation.diagnose.reduction_errors import swinging_with
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, STRUCTURE, evidence_threshold, position
-from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, STRIDE, child, nearby
+from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, ROUGHLY, STRIDE, child, nearby
 from validation.estimation.likelihood import cost_of
-from validation.estimation.problem import FITTED, PLAIN, Fit
+from validation.estimation.problem import FITTED, Fit
 from validation.estimation.verdicts import MISFIT
 from validation.model.model import Added
 from validation.output import nats, odds
@@ -66,7 +66,7 @@ def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: 
     What drove tolerances so far that no fit ends is seen from where they are declared: by landmarks where these alone are far
     off, else over a floor of `COARSE` on few lines, where each effect begins at a part of what is plausible.
     """
-    asked = [one for one in menu if FAMILIES[one.named.family].side == STRUCTURE and can_restart(one)]
+    asked = [one for one in menu if seen_from_afar(one)]
     progress("looking from afar for what keeps the model from converging", 0.0)
     view = DistantView(marks=() if data.made else Landmark.of_tests(data.predictions))
     nearest: list[tuple[float, Added, dict[str, float]]]
@@ -93,19 +93,25 @@ def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: 
     return SearchStep(at=at, goodness=here, screened=screened, tried=tuple(tried), added=best)
 
 
+def seen_from_afar(added: Added) -> bool:
+    """Whether it is an effect of the structure that has one size."""
+    return FAMILIES[added.named.family].side == STRUCTURE and can_restart(added)
+
+
 def _nearest_by_lines(
     data: Study, at: Candidate, asked: Sequence[Added], progress: "Progress"
 ) -> list[tuple[float, Added, dict[str, float]]]:
     """Cost, effect and offsets of those that come nearest along few lines over a coarse floor, the best first."""
     nearest: list[tuple[float, Added, dict[str, float]]] = []
-    without = child(at.problem.sparser(STRIDE), PLAIN, at.fit, declared(at.problem, at.fit), floor=COARSE[0])
+    rough = partial(child, floor=COARSE[1], close=ROUGHLY)
+    without = rough(at.problem.sparser(STRIDE), FITTED, at.fit, declared(at.problem, at.fit))
     for done, added in enumerate(asked):
-        progress("looking from afar for what keeps the model from converging", done / len(asked))
+        progress("looking from afar along few lines", done / len(asked))
         problem = data.problem((*at.effects, added)).sparser(STRIDE)
         (which,) = (name(added.named, size.key) for size in added.named.fitted_sizes)
         size, enough = problem.by_name[which], nearest[FEW - 1][0] if len(nearest) >= FEW else inf
         begins = [begin for begin in (FROM_AFAR * size.tolerance, -FROM_AFAR * size.tolerance) if size.low < begin < size.high]
-        fits = [child(problem, PLAIN, without, {which: begin}, floor=COARSE[0], worth=enough) for begin in begins]
+        fits = [rough(problem, FITTED, without, {which: begin}, worth=enough) for begin in begins]
         nearest += [(fit.cost, added, fit.by_name) for fit in sorted(fits, key=lambda fit: fit.cost)[:1]]
         nearest.sort(key=lambda one: one[0])
     return nearest
@@ -295,10 +301,13 @@ def _moved(data: Study, rest: Candidate, there: CandidateFit, elsewhere: Elsewhe
         except CheckFailed:  # over more coordinates the model breaks down wherever it begins
             break
         brought = candidate_fit(rest, here).evidence
-        fits = []
+        fits = list[tuple[CandidateFit, float]]()
         for _, added, cost in found:
             enough = rest.fit.cost - brought - cost
-            fits.append((candidate_fit(rest, fit_in_place(ready, here, rest, added, worth=enough)), cost))
+            ways = [fit_in_place(ready, here, rest, added, worth=enough)]
+            if end.goodness.largest >= ABSURD:  # from where tolerances pay for a wrong place no step may lead to the right one
+                ways.append(restarted_from_priors(ready, rest, added, worth=enough))
+            fits += [(candidate_fit(rest, each), cost) for each in ways]
         ends = [(one.evidence - cost - brought, one) for one, cost in fits if is_accepted(one)]
         gained, best = max(ends, key=lambda one: one[0], default=(0.0, end))
         if gained <= SAME_NATS:
@@ -388,7 +397,9 @@ def stepwise_search(
     rounds: list[SearchStep] = []
     while len(at.effects) < MOST_EFFECTS and sum(not one.reconsidered for one in rounds) < 2 * MOST_EFFECTS:
         afar, known = at is base and not base.fit.converged, fitted if at is base else ()
-        one = step_from_afar(data, at, menu, progress) if afar else _step(data, at, menu, progress, known)
+        one = step_from_afar(data, at, menu, progress) if afar else None
+        if one is None or (known and not one.added):  # a node that was fitted may make it converge
+            one = _step(data, at, menu, progress, known)
         if (
             again
             and one.tried
@@ -608,6 +619,10 @@ def _restarted_where_stuck(
     begins = [one.added for one in sorted(short, key=lambda each: -promised[each.id])[:FEW]]
     if here.largest >= ABSURD:  # from there a straight line promises nothing of a resonator beside what tolerances have moved
         begins += _resonators_at_home(data, at, found)[:FEW]
+    if at.effects:  # what a straight line does not promise, as what gives at a rigid joint, is seen beside what is known
+        fitted = {one.id for one in ranked} | {one.named.id for one in begins}
+        asked = [one.added for one in found if one.id not in fitted and seen_from_afar(one.added)]
+        begins += [added for _, added, _ in _nearest_by_lines(data, at, asked, progress)[:FEW]]
     for added in begins:
         progress(f"trying {added.named.id} afresh", 0.8)
         ranked.append(candidate_fit(at, restarted_from_priors(data, at, added, worth=worth(at, ranked))))

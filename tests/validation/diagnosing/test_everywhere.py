@@ -488,6 +488,30 @@ def test_what_tolerances_have_swallowed_is_seen_from_where_they_are_declared(stu
     assert np.linalg.norm(np.array(position(best.named.target)) - HIDDEN) < 0.03
 
 
+def test_where_tolerances_pay_for_a_wrong_node_hills_are_asked_from_where_they_are_declared(study, monkeypatch):
+    """Boxes with a joint that gives and 272 g: tolerances 15 standard deviations off held the mass 16 mm beside its node, and
+    beside the joint no node was better; from home its own was by 90,000 nats, and its fit by 450."""
+    base = candidates.baseline(study)
+    mesh = next(MeshSearch.of(base))
+    aside = mesh.points[np.argsort(np.linalg.norm(mesh.points - HIDDEN, axis=1))[3]]
+    wrong = Added(named=parse(f"point-mass:{at_position(aside)}=0.01", ANYWHERE))
+    ready = study.ready_at([wrong.named.target])
+    rest = candidates.baseline(ready)
+    there = candidate_fits.fit_with(ready, rest, wrong)
+
+    def stays(self, kind, point, size):
+        return int(np.argmin(np.linalg.norm(self.points - point, axis=1))), 0.0, size
+
+    monkeypatch.setattr(MeshSearch, "nearby", stays)
+    goodness = candidate_fits.goodness_of_fit(there.fit, there.problem)
+    for largest, expected in ((candidate_fits.ABSURD - 1, 0), (candidate_fits.ABSURD, 1)):
+        monkeypatch.setattr(everywhere, "goodness_of_fit", lambda *of, z=largest: replace(goodness, largest=z))
+        found = elsewhere(ready, rest, there)
+        assert len(found) == expected
+    ((_, added, _),) = found
+    assert np.linalg.norm(np.array(position(added.named.target)) - HIDDEN) < 0.5 * np.linalg.norm(aside - HIDDEN)
+
+
 def test_from_afar_nodes_are_asked_where_a_straight_line_promises_nothing(study, monkeypatch):
     """Of 79 g at a barrel's rim it promised nothing at its node, 0.66 million nats, and thousands at the foot."""
     (mesh,) = MeshSearch.of(candidates.baseline(study))

@@ -213,7 +213,7 @@ def unstuck(
     return best_first, asked
 
 
-HERE: Any = SimpleNamespace(fit=SimpleNamespace(cost=1000.0), problem=None)
+HERE: Any = SimpleNamespace(fit=SimpleNamespace(cost=1000.0), problem=None, effects=())
 """Where a step begins."""
 
 MASSES = tuple(f"point-mass:{one}=0.1" for one in ("mast-top", "hub-3", "hub-4", "hub-1"))
@@ -239,6 +239,30 @@ def test_resonators_are_tried_afresh_where_tolerances_stand_absurdly_far_off(mon
     here: Any = SimpleNamespace(null=False, largest=largest)
     some: Any = search._restarted_where_stuck(BAND, HERE, here, [of], found, lambda what, share: None)
     assert [one.id for one in some] == [right.named.id, of.id][not afresh :]
+
+
+@pytest.mark.parametrize("beside", [True, False])
+def test_beside_another_effect_what_no_straight_line_promises_is_sought_on_few_lines(monkeypatch, beside):
+    """A joint of boxes that gives, beside 272 g: a straight line promised 3 nats where it is rigid, and its fit brings 2,700."""
+    of, asked = ended(MASSES[0], 39.0), list[str]()
+    rigid, others = (
+        screened("joint-compliance:lateral=1e-9"),
+        screened(MASSES[0], *LOUD[:1], "absorber:mast-top=m:1,f:9,zeta:0.1"),
+    )
+    right = replace(of, id=rigid[0].id, evidence=2700.0, candidate=SimpleNamespace(effects=(rigid[0].added,)))
+
+    def nearest(data: object, at: object, menu: Sequence[Added], tell: object) -> list[tuple[float, Added, dict[str, float]]]:
+        asked.extend(one.named.id for one in menu)
+        return [(1.0, one, {}) for one in menu]
+
+    monkeypatch.setattr(search, "_nearest_by_lines", nearest)
+    in_place(monkeypatch, "restarted_from_priors", lambda bench, at, added, **_: added)
+    in_place(monkeypatch, "candidate_fit", lambda at, there: right)
+    at: Any = SimpleNamespace(fit=HERE.fit, effects=(others[0].added,) if beside else ())
+    found = [replace(one, evidence=0.0) for one in (*others, *rigid)]
+    some: Any = search._restarted_where_stuck(BAND, at, stands(False), [of], found, lambda what, share: None)
+    assert asked == [rigid[0].id] * beside  # of channels, of what was fitted and of resonators nothing
+    assert [one.id for one in some] == [right.id, of.id][not beside :]
 
 
 def test_only_the_most_promising_are_tried_afresh(monkeypatch):
@@ -353,7 +377,7 @@ GONE = "cable:mast-top:lateral"
 
 NOBODY: Any = None
 BENCH: Any = SimpleNamespace(problem=lambda effects: None)
-STANDS: Any = SimpleNamespace(null=True)
+STANDS: Any = SimpleNamespace(null=True, largest=0.0)
 
 
 def hypothesis(*effect_ids: str, evidence: float) -> Candidate:
@@ -437,6 +461,21 @@ def test_what_moves_on_a_mesh_needs_no_second_effect_that_mended_its_place(monke
     assert (again[0].reconsidered, again[0].added) == (HUB, HUB if looked else TOP)
     alone, _, _ = asked(monkeypatch, hypothesis(HUB, evidence=5200.0), before[:1], known, elsewhere)
     assert effect_ids(alone) == {TOP}  # 158 nats are more than it costs to have looked
+
+
+@pytest.mark.parametrize(("largest", "moves"), [(ABSURD, True), (ABSURD - 0.1, False)])
+def test_a_node_is_fitted_from_the_priors_where_tolerances_pay_for_another(monkeypatch, largest, moves):
+    """Boxes: from where 410 g at a wrong node had ended 272 g at their own came to nothing, and from the priors to 960 nats."""
+    alone, there = hypothesis(evidence=0.0), hypothesis(HUB, evidence=5200.0)
+    goodness: Any = SimpleNamespace(null=False, largest=largest)
+    in_place(monkeypatch, "fit_in_place", lambda *of, worth: hypothesis(TOP, evidence=-9.0))
+    in_place(monkeypatch, "restarted_from_priors", lambda *of, worth: hypothesis(TOP, evidence=6160.0))
+    in_place(monkeypatch, "is_significant", lambda of: True)
+    in_place(monkeypatch, "goodness_of_fit", lambda fit, problem: goodness)
+    begin = candidate_fits.candidate_fit(alone, there)
+    near = ((BENCH, Added(named=parse(f"{TOP}=0.3")), 0.0),)
+    _, end = search._moved(BENCH, alone, begin, lambda data, rest, at: near if at is there else ())
+    assert (end.id, end.evidence) == ((TOP, 6160.0) if moves else (HUB, 5200.0))
 
 
 def test_what_moves_alone_keeps_those_that_explain_as_much(monkeypatch):
