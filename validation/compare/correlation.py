@@ -305,6 +305,12 @@ def _csv(head: Sequence[str], rows: Iterable[Iterable[object]]) -> str:
 
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
 
+RIGID = "rigid motion"
+"""Name of a mode of a structure that floats which strains nothing."""
+
+STRAINS_NOT = 1e-4
+"""Share of the frequency of the first elastic mode up to which that of a rigid motion is rounding."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class NamedMode:
@@ -325,9 +331,8 @@ class NamedMode:
 
 
 def modes_of(prediction: StructurePrediction, offsets: Offsets) -> tuple[NamedMode, ...]:
-    """The modes with the base held, ascending, of the structure at `offsets`, its effects acting.
-
-    The last of them stand for the static answer of all others.
+    """The modes with the base held, ascending, of the structure at `offsets`, its effects acting; of one that floats first its
+    rigid motions, which lose nothing. The last stand for the static answer of all others.
     """
     if prediction.structure is None:
         return ()
@@ -340,7 +345,10 @@ def modes_of(prediction: StructurePrediction, offsets: Offsets) -> tuple[NamedMo
     squares, shapes = modal_table.real_pairs(K, M)
     moving = np.isfinite(squares)  # the others have no mass
     omega, shapes = np.sqrt(np.maximum(squares[moving], 0.0)), shapes[:, moving]
-    zeta = (_energy(C, shapes) + _energy(S, shapes) / np.maximum(omega, 1e-12)) / np.maximum(2 * omega, 1e-12)
+    floats = min(int(np.count_nonzero(matrices.rigid[:, own].any(axis=0))), len(omega) - 1)
+    rigid = int(np.count_nonzero(omega[:floats] < STRAINS_NOT * omega[floats]))
+    swings = np.append(np.full(rigid, np.inf), np.maximum(omega[rigid:], 1e-12))
+    zeta = (_energy(C, shapes) + _energy(S, shapes) / swings) / (2 * swings)
     # By mode the part with the largest share of strain energy; empty words where the model does not say
     shares: dict[str, Array] = {}
     for part, stiffness in matrices.parts.items():
@@ -351,9 +359,9 @@ def modes_of(prediction: StructurePrediction, offsets: Offsets) -> tuple[NamedMo
     found: list[NamedMode] = []
     effective = np.square(shapes.T @ matrices.mass[own, : matrices.base])
     for k, (part, w, z, m) in enumerate(zip(holders, omega, zeta, effective, strict=True)):
-        place = holders[:k].count(part)
+        place = holders[rigid:k].count(part)
         ordinal = ORDINALS[place] if place < len(ORDINALS) else f"{place + 1}th"
-        name = f"{ordinal} {part} mode".replace("  ", " ")
+        name = RIGID if k < rigid else f"{ordinal} {part} mode".replace("  ", " ")
         mass = tuple(map(float, m))
         found.append(NamedMode(name=name, frequency=float(w / (2 * np.pi)), damping_ratio=float(z), effective_mass=mass))
     return tuple(found)

@@ -277,7 +277,7 @@ def correlation_tables(correlation: Sequence[ModalCorrelation | FunctionCorrelat
         columns=(
             doc.Column("function", lambda row: row[1], words=True),
             doc.Column("FRAC", lambda row: row[2], ".3f"),
-            doc.Column("level", lambda row: row[3], "+.1f", unit="dB"),
+            doc.Column("level", lambda row: row[3] if abs(row[3]) < SILENT else None, "+.1f", unit="dB"),
             doc.Column("of", lambda row: row[0], words=True, on=doc.PAGE),
         ),
     )
@@ -288,6 +288,9 @@ def _some(names: tuple[str, ...] | list[str], most: int = 4) -> str:
     more = len(names) - most
     return ", ".join(names) if more <= 0 else f"{', '.join(names[:most])} and {more} more"
 
+
+SILENT = 200.0
+"""[dB] from which a function is that of nothing, in the model or in the data. By definition."""
 
 PAIRS = 6
 

@@ -219,6 +219,14 @@ def test_without_noise_and_tolerances_a_base_test_is_what_its_own_model_predicts
         assert np.abs(away[:, others]).max(axis=0) == pytest.approx(0, abs=1e-5 * np.abs(values[:, others]).max())
 
 
+def test_places_of_a_base_test_are_told_without_what_rounding_leaves_of_them(on_base: Path, run: Any) -> None:
+    """`massline check` showed a pick-up at (-5.5565e-16, 7.3184e-16, 255) mm."""
+    on_base.write_text(on_base.read_text().replace('["150 mm", "0 mm"', '["37 mm", "0 mm"'))
+    assert run(*asked("base", "--axis", "x", "--out", "test"))[0] == 0
+    (at,) = (one["position"] for one in tomllib.loads(Path("test/campaign.toml").read_text())["channel"] if one["name"] == "c-z")
+    assert at == np.round(at, 9).tolist()
+
+
 @pytest.mark.parametrize(("moves", "kind"), [("", "base-forces"), ('moves = ["x", "ry"]\n', "base")])
 def test_a_frame_of_a_few_lines_stands_on_a_base(moves: str, kind: str, run: Any) -> None:
     """Its ends have no mass, so that modes of K and M alone ended in "The leading minor is not positive definite"."""
