@@ -762,7 +762,7 @@ def _joined(columns: list[Any], header: Sequence[str], stated: str | None, sourc
             return np.asarray(columns[0])
         what = "in decibels" if (header and "db" in header[0].lower()) or np.mean(columns[0].real < 0) > 0.9 else "a magnitude"
         problem = f"a function has one real number a line where a complex one is needed; it may be {what} without its phase"
-        raise refused(problem, "Export real and imaginary part, or magnitude and phase with `parts`")
+        raise refused(problem, "Export real and imaginary part, or magnitude and phase with `parts`, two columns a response")
     if len(columns) != 2:
         raise refused(f"a function has {len(columns)} columns", "Name one complex column, or two")
     if any(np.iscomplexobj(one) for one in columns):

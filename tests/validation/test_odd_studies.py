@@ -236,6 +236,26 @@ def test_base_tests_of_two_articles_are_asked_for_the_coordinates_of_both_as_wel
     assert "which acts on a and b" in said
 
 
+def test_frequencies_in_radians_a_second_are_told(study, answer):
+    """Each was paired with the mode that lay nearest, without a word."""
+    said = " ".join(answer("compare", study(f"frequencies = {[round(6.2832 * one, 3) for one in HERTZ]}\n"))["warnings"])
+    assert "6.28 times those of the lowest modes: they are in rad/s" in said
+    assert "rad/s" not in " ".join(answer("compare", study(TABLE))["warnings"])
+
+
+MISSPELT = f'sensors = ["Floor-2:x", "floor-1:x"]\n{TABLE}shapes = [[1, 0.5], [1, 2], [1, -2]]\n'
+
+
+@pytest.mark.parametrize("test", [ONE.replace("floor-2:x", "Floor-2:x"), MISSPELT])
+def test_a_place_that_is_misspelt_is_said_with_the_nearest(study, refused, test):
+    assert "frame has no such place. Did you mean floor-2? Its places are" in refused("compare", study(test))
+
+
+def test_modes_from_the_highest_down_are_a_table_from_the_lowest_up(run, tmp_path):
+    (tmp_path / "modes.toml").write_text('format = 1\nkind = "modal-table"\narticle = "frame"\nfrequencies = [13.5, 3.4]\n')
+    assert re.search(r"modes +2 +3.4 +13.5", run("check", "modes.toml")[1])
+
+
 BENT = """\
 format = 1
 model = { title = "", article = "bent" }

@@ -535,7 +535,8 @@ def draft(article: str, out: Path | None = None) -> Model:
         elif not path.is_file():
             raise BadInput(source=article, problem="there is no such file", remedy="Check the path")
         name = path.parent.resolve().name if path.name == DESCRIPTION else path.stem
-        stated = toml_file.read(path).get(STRUCTURE_FILE[0]) if path.suffix.lower() == ".toml" else None
+        said = path.with_suffix(".toml")  # by itself, or beside its data
+        stated = toml_file.read(said).get(STRUCTURE_FILE[0]) if said.is_file() else None
         usual = "ground" if isinstance(stated, dict) and stated.get("kind") == "frame" else "base"
         by_itself = isinstance(stated, dict) and stated.get("support", usual) != "base"
         article, title = (name, name) if by_itself else (f"{KNOWN_FMD}+{name}", f"{name} on the FMD")

@@ -301,8 +301,8 @@ def show_tests(name: str, tests: "Sequence[ResponseFunctions | ModalTable]", *, 
             "article": one.article,
             "what": "modes",
             "count": len(lines),
-            "from_hz": lines[0],
-            "to_hz": lines[-1],
+            "from_hz": lines.min(),
+            "to_hz": lines.max(),
             "coherence": None,
         }
         if isinstance(one, ResponseFunctions):

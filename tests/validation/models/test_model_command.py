@@ -240,6 +240,16 @@ def test_a_model_file_is_written_anew_into_any_folder_from_which_its_files_are_s
     assert run("model", "there/frame.toml", "--out", "elsewhere/anew.toml")[0] == 0
 
 
+@pytest.mark.parametrize(("support", "article"), [("ground", "beam"), ("base", "fmd+beam")])
+def test_data_stand_as_the_description_beside_them_says(run, tmp_path, support, article):
+    """What stands on the ground was put on the FMD, where the data and not their description was named."""
+    np.savez(tmp_path / "beam.npz", stiffness=np.eye(2), mass=np.eye(2))
+    described = f'format = 1\n[fe_model]\nkind = "matrices"\nunits = "m-kg-N-s"\nsupport = "{support}"\n'
+    (tmp_path / "beam.toml").write_text(described)
+    assert run("model", "beam.npz", "--out", "lab.toml")[0] == 0
+    assert f'article = "{article}"' in (tmp_path / "lab.toml").read_text()
+
+
 def test_a_study_is_examined_as_its_structure_and_how_exact_its_reduction_is(run, tmp_path, three_floors):
     (tmp_path / "frame.toml").write_text(three_floors())
     own = 'format = 1\nmodel = { title = "", article = "frame" }\nstructure = { own = { frame = "frame.toml" } }\n'
