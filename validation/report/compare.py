@@ -228,7 +228,10 @@ class ComparisonPage:
         """What must be known to read the tables, then what was assumed."""
         first = self.found.worst[0].sigma if self.found.worst else 0.0
         if first < STANDS_OUT:
-            yield f"Nothing stands out: the worst spot is {two_digits(first)} sigma, and chance reaches about {STANDS_OUT - 1:g}."
+            # Of n complex cells of noise alone the worst reaches (ln n + 0.577)^½ in the mean (Gumbel)
+            cells = sum(one.deviation.size for one in self.found.maps)
+            among = f"{np.sqrt(np.log(cells) + np.euler_gamma):.1f} among {cells} cells" if first > STANDS_OUT - 1 else "3"
+            yield f"Nothing stands out: the worst spot is {two_digits(first)} sigma, and chance reaches about {among}."
         elif below := sum(one.sigma < STANDS_OUT for one in self.found.worst):
             yield f"{below} more of the ten worst spots are below {STANDS_OUT:g} sigma, as chance leaves them."
         yield (

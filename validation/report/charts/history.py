@@ -313,7 +313,8 @@ def falling_errors(at: HistoryPosition, *, dark: bool = False) -> Figure:
         known = [one.errors[name] for one in rungs for name in group if np.isfinite(one.errors[name])] or [1.0]
         low, high = log10(min(known)), log10(max(known))
         room = 0.22 * max(high - low, 0.4)  # for figures above and below
-        figure.up(title={"text": title}, **decades(low - room, high + room), row=row, column=1)
+        wide = (2.6, 1.5)[row - 1]  # the lower one is half as high
+        figure.up(title={"text": title}, **decades(low - room, high + room, wide), row=row, column=1)
     names = [f"{one.number}  {escaped(cut(one.title, LONGEST, '…'))}" for one in way]
     deepest = max((one.depth for one in rungs), default=0)
     figure.across(tickvals=list(range(len(names))), ticktext=names, range=[-0.35, max(deepest, 1) + 0.35])
