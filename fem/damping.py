@@ -201,7 +201,9 @@ def _lossy(damping: Damping, structure: Structure) -> list[Sparse]:
 
 def _require_losses(matrix: Array, scale: Array, name: str) -> None:
     """Refuse an indefinite modal matrix; `scale` (n,) makes a loss factor of what is on its diagonal, whatever the frequency."""
-    scale = np.where(scale > 0, scale, scale.max(initial=0.0) or 1.0)
+    if not scale.any():  # rigid motions alone, of which nothing but rounding is left
+        return
+    scale = np.where(scale > 0, scale, scale.max())
     loss = np.linalg.eigvalsh(matrix / np.outer(scale, scale))
     if loss.min(initial=0.0) < -FEEDS * np.abs(loss).max(initial=0.0):
         problem = f"it must not feed energy in, found a motion of the modes with the loss factor {loss.min():.3g}"

@@ -150,7 +150,14 @@ ON_NODE = 1e-6
 """Distance to a node, as a share of that to the farthest of its neighbours, below which the point is the node."""
 
 
-def place_rows(structure: Structure, points: npt.ArrayLike) -> list[Sparse]:
+FAR = 2.0
+"""A point lies outside when the nearest node is farther than this many times the widest gap between two neighbouring nodes,"""
+
+BESIDE = 0.1
+"""[share] and than this of the size of the structure. By definition."""
+
+
+def place_rows(structure: Structure, points: npt.ArrayLike, source: str = "the structure", field: str = "place") -> list[Sparse]:
     """What each degree of freedom moves `points` (p, 3) [m], in the article's frame, along x, y, z: (3, n) sparse each.
 
     In a mesh the element that holds a point carries it. Else it rides on the nearest node and turns with it. Where that has no
@@ -159,7 +166,7 @@ def place_rows(structure: Structure, points: npt.ArrayLike) -> list[Sparse]:
 
     Raises
     ------
-    BadInput : the structure knows no nodes, or a point lies outside its mesh.
+    BadInput : the structure knows no nodes, or a point, `field` of the `source`, lies outside its mesh or far from its nodes.
     """
     from scipy.sparse import csr_array
 
@@ -168,14 +175,18 @@ def place_rows(structure: Structure, points: npt.ArrayLike) -> list[Sparse]:
     if not len(structure.points):
         known = ", ".join(list(structure.places)[:20]) or "its nodes or degrees of freedom"
         problem = "has no known motion: the structure has no coordinates"
-        raise BadInput(source="the structure", field="place", problem=problem, remedy=f"A place is named there: {known}")
+        raise BadInput(source=source, field=field, problem=problem, remedy=f"A place is named there: {known}")
     from scipy.spatial import cKDTree
 
     at = np.asarray(points, dtype=np.float64).reshape(-1, 3)
     away, near = cKDTree(structure.points).query(at, k=min(NEIGHBOURS, len(structure.points)))
-    found, n = [], structure.mass.shape[0]
+    gap, wide = nearest_node(structure, at[0])[2] or np.inf, np.ptp(structure.points, axis=0).max()
+    found, n, most = [], structure.mass.shape[0], max(FAR * gap, BESIDE * wide)
     for point, distances, nodes in zip(at, away.reshape(len(at), -1), near.reshape(len(at), -1), strict=True):
         first, arm = nodes[0], point - structure.points[nodes[0]]
+        if distances[0] > most:
+            problem, remedy = f"lies {distances[0]:.4g} m outside of the structure", ", ".join(f"{x:.6g}" for x in point - arm)
+            raise BadInput(source=source, field=field, problem=problem, remedy=f"The nearest node is at ({remedy}) m")
         turning = structure.rotations[first] if len(structure.rotations) else np.full(3, -1)
         if np.all(turning >= 0):
             rows, values = np.append(structure.translations[first], turning), np.hstack([np.eye(3), -skew(arm)])

@@ -448,11 +448,9 @@ def _require_simple(mesh: TriangleMesh, source: str, unit: LengthUnit) -> tuple[
         )
     volumes = np.array([body.volume for body in bodies])
     if np.all(volumes <= 0):
-        raise BadInput(
-            source=source,
-            problem=f"the mesh is inside-out: its normals point inwards, its volume comes out as {_volume(volumes.sum(), unit)}",
-            remedy="Flip the normals (reverse the faces) in the program that made the mesh and export it again",
-        )
+        problem = f"the mesh is inside-out: its normals point inwards, its volume comes out as {_volume(volumes.sum(), unit)}"
+        remedy = "Flip the normals (reverse the faces) in the program that made the mesh and export it again"
+        raise BadInput(source=source, problem=problem, remedy=remedy)
     touching = np.unique(np.sort(label[pairs[~within]], axis=1), axis=0)
     # Around a body there must be nothing, around a cavity material, as far as they do not touch
     for number, body in enumerate(bodies):
@@ -555,12 +553,9 @@ def read_mesh(path: Path, unit: str | None = None) -> MeshFile:
         raise BadInput(source=source, field="unit", problem=problem, remedy=f"Give one of {', '.join(UNITS)}")
     meant = length_unit((stated if unit is None else unit) or "", source)
     if unit is not None and stated is not None and meant != length_unit(stated, source):
-        raise BadInput(
-            source=source,
-            field="unit",
-            problem=f"the unit given is {meant.name}, but the file says of itself that its unit is {stated}",
-            remedy="Leave the unit out to believe the file, or correct the file's comment",
-        )
+        problem = f"the unit given is {meant.name}, but the file says of itself that its unit is {stated}"
+        remedy = "Leave the unit out to believe the file, or correct the file's comment"
+        raise BadInput(source=source, field="unit", problem=problem, remedy=remedy)
     mesh = scaled(_parsed(content, ending, str(path)), meant.metres)
     return MeshFile(mesh=mesh, unit=meant, warnings=doubts(float(np.ptp(mesh.bounds, axis=0).max()), str(path), meant))
 

@@ -258,12 +258,11 @@ def require_known(table: Mapping[str, Any], known: Collection[str], *, source: s
     for key in table:
         if key not in known:
             is_other = not where and key in KINDS and kind_of(table) == KINDS[key]
-            raise BadInput(
-                source=source,
-                field=f"{where}.{key}" if where else key,
-                problem=f"this is {KINDS[key]}, not what is read here" if is_other else f"found the unknown key {key!r}",
-                remedy=nearest(key, known) + f"Known are {', '.join(known)}",
-            )
+            problem = f"this is {KINDS[key]}, not what is read here" if is_other else f"found the unknown key {key!r}"
+            remedy, structure = nearest(key, known) + f"Known are {', '.join(known)}", table.get("structure")
+            if is_other and isinstance(structure, Mapping) and isinstance(own := structure.get("own"), Mapping):
+                remedy = f"Name the structure that it names: {', '.join(map(str, own.values()))}"
+            raise BadInput(source=source, field=f"{where}.{key}" if where else key, problem=problem, remedy=remedy)
 
 
 def require_present(table: Mapping[str, Any], needed: Collection[str], *, source: str, where: str = "") -> None:
@@ -400,12 +399,9 @@ def length_unit(text: str, source: str, field: str = "unit") -> LengthUnit:
     unit = _BY_WORD.get(text.strip().lower())
     if unit is not None:
         return unit
-    raise BadInput(
-        source=source,
-        field=field,
-        problem=f"no unit of length is called {text!r}",
-        remedy=f"{nearest(text.strip().lower(), _BY_WORD)}Give one of {', '.join(UNITS)}",
-    )
+    problem = f"no unit of length is called {text!r}"
+    remedy = f"{nearest(text.strip().lower(), _BY_WORD)}Give one of {', '.join(UNITS)}"
+    raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
 
 
 # Quantities as people write them, ``"47.40 +/- 0.05 kg"``, turned into SI values that remember their tolerance and their name.

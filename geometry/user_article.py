@@ -431,11 +431,9 @@ def require_file(path: str | Path) -> Path:
         if not parts:
             problem = f"the folder holds neither {DESCRIPTION} nor a part ({', '.join(ENDINGS[:-1])})"
             raise BadInput(source=str(path), problem=problem, remedy="Check the path")
-        raise BadInput(
-            source=str(path),
-            problem=f"the folder holds {len(parts)} part(s) but no {DESCRIPTION} to say what they are of",
-            remedy=f"Put this into {there}, corrected:\n\n{template(path.name, parts)}\nThen try again",
-        )
+        problem = f"the folder holds {len(parts)} part(s) but no {DESCRIPTION} to say what they are of"
+        remedy = f"Put this into {there}, corrected:\n\n{template(path.name, parts)}\nThen try again"
+        raise BadInput(source=str(path), problem=problem, remedy=remedy)
     if not path.is_file():
         raise BadInput(source=str(path), problem="it is a device or a pipe, where a file is needed", remedy="Check the path")
     if path.suffix.lower() not in ENDINGS:
@@ -554,19 +552,13 @@ def _from_mesh(entry: PartEntry, repair: bool) -> tuple[tuple[UserPart, ...], tu
         except BadInput as left:
             refused = left.problem
     if entry.materials:
-        raise BadInput(
-            source=source,
-            field="materials",
-            problem="bodies of a mesh have no names",
-            remedy="Give each a [[part]] of its own with body = 1, 2 ...",
-        )
+        problem = "bodies of a mesh have no names"
+        remedy = "Give each a [[part]] of its own with body = 1, 2 ..."
+        raise BadInput(source=source, field="materials", problem=problem, remedy=remedy)
     if entry.material is None:
-        raise BadInput(
-            source=source,
-            field="material",
-            problem="no material is given",
-            remedy='Give a name (steel) or a density ("7800 kg/m^3")',
-        )
+        problem = "no material is given"
+        remedy = 'Give a name (steel) or a density ("7800 kg/m^3")'
+        raise BadInput(source=source, field="material", problem=problem, remedy=remedy)
     if entry.body is not None and refused:
         problem = f"its bodies cannot be told apart, since {refused}"
         raise BadInput(source=source, field="body", problem=problem, remedy="Mend the mesh, or leave the body out")
@@ -598,9 +590,6 @@ def _from_mesh(entry: PartEntry, repair: bool) -> tuple[tuple[UserPart, ...], tu
 
 
 def _no_body(entry: PartEntry, names: list[str], wanted: str | None = None) -> NoReturn:
-    raise BadInput(
-        source=str(entry.file),
-        field="materials" if wanted else "body",
-        problem=f"it holds no body {wanted or entry.body!r}",
-        remedy=f"It holds {', '.join(names)}",
-    )
+    problem = f"it holds no body {wanted or entry.body!r}"
+    remedy = f"It holds {', '.join(names)}"
+    raise BadInput(source=str(entry.file), field="materials" if wanted else "body", problem=problem, remedy=remedy)

@@ -382,12 +382,9 @@ def _require_upright(f: Array, values: ComplexArray, source: str) -> None:
     smooth = np.convolve(np.pad(level, width, mode="edge"), np.ones(width) / width, mode="same")[width:-width]
     out = [np.sort(find_peaks(sign * smooth, prominence=1.0)[1]["prominences"])[-3:].sum() for sign in (1, -1)]
     if out[1] > UNEVEN_PEAKS * out[0] and out[1] > 3.0:
-        raise BadInput(
-            source=source,
-            field="files",
-            problem="the functions look like force over response: they have dips in common where resonances are peaks",
-            remedy="Write inverted = true if each is force over response, or export response over force",
-        )
+        problem = "the functions look like force over response: they have dips in common where resonances are peaks"
+        remedy = "Write inverted = true if each is force over response, or export response over force"
+        raise BadInput(source=source, field="files", problem=problem, remedy=remedy)
 
 
 def _unit(table: Mapping[str, Any], source: str) -> tuple[str, float]:
@@ -539,7 +536,8 @@ def _of_records(
         ]
     if ringing:
         worst = max(ringing, key=lambda path: ringing[path])
-        others = f" and of {len(ringing) - 1} other files" if len(ringing) > 1 else ""
+        more = len(ringing) - 1
+        others = f" and of {more} other file{'s' * (more > 1)}" if more else ""
         rest = f"{100 * ringing[worst]:.0f} % of the answers of {worst}{others} still ring at the end of a block"
         warnings.append(f"{rest}; damping will seem larger, take a longer block")
     alike: dict[str, list[str]] = {}
@@ -764,7 +762,7 @@ def _joined(columns: list[Any], header: Sequence[str], stated: str | None, sourc
             return np.asarray(columns[0])
         what = "in decibels" if (header and "db" in header[0].lower()) or np.mean(columns[0].real < 0) > 0.9 else "a magnitude"
         problem = f"a function has one real number a line where a complex one is needed; it may be {what} without its phase"
-        raise refused(problem, "Export real and imaginary part, or magnitude and phase with `parts`")
+        raise refused(problem, "Export real and imaginary part, or magnitude and phase with `parts`, two columns a response")
     if len(columns) != 2:
         raise refused(f"a function has {len(columns)} columns", "Name one complex column, or two")
     if any(np.iscomplexobj(one) for one in columns):

@@ -47,7 +47,8 @@ def described(path: Path, units: str | None = None) -> tuple[str, tuple[str, ...
 def _system(deck: Deck, source: str) -> UnitSystem:
     if not any(one.density for one in deck.materials.values()):
         what = "no material states a density" if deck.materials else "it has no material that is known here"
-        raise BadInput(source=source, problem=what, remedy="Masses are asked for: write a deck with densities")
+        itself = f'describe it: [fe_model] with kind = "mesh", file = "{Path(source).name}" and materials of its groups'
+        raise BadInput(source=source, problem=what, remedy=f"Masses are asked for: write a deck with densities, or {itself}")
     known = [unit_system(name, source) for name in KNOWN]
     fitting = [one for one in known if _believed(deck, one)]
     if len(fitting) == 1:

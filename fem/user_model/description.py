@@ -113,8 +113,9 @@ def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
     kind = toml_file.one_of(model["kind"], KINDS, source=source, where=f"{TABLE}.kind")
     units = unit_system(model["units"], source)
     named = parts.named(model, units, source, TABLE)
-    if named.support == "base":  # what moves needs a point to move about, else the origin will do
-        toml_file.require_present(model, ("reference_point",), source=source, where=TABLE)
+    if named.support == "base" and "reference_point" not in model:  # else the origin will do
+        problem, remedy = "is missing: a base moves about a point", 'Add it, or state support = "ground" or "free"'
+        raise BadInput(source=source, field=f"{TABLE}.reference_point", problem=problem, remedy=remedy)
     _require_support(model, named, kind, units, source)
     value = model.get("interface", [])
     where = f"{TABLE}.interface"

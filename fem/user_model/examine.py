@@ -275,6 +275,9 @@ def examine_matrices(model: Submitted, findings: list[Finding], described: Descr
         findings += found
         if not {finding.check for finding in findings} & {"coordinates", "restrained"}:
             findings += matrix_checks.mass(model, described.units)
+    total = float((model.dofs.rigid.T @ (model.mass @ model.dofs.rigid))[0, 0]) if known else 0.0
+    if model.support == "ground" and described.units.known:
+        findings += matrix_checks.too_dense(model, total)
     findings += follows
     if known and model.support == "base":
         findings += frequency_checks.reduction(model)
@@ -293,8 +296,7 @@ def examine_matrices(model: Submitted, findings: list[Finding], described: Descr
         later.append("frequencies were not looked at: stiffness and mass must be positive definite first")
     findings += frequency_checks.damping(model)
     if known:
-        total = np.asarray(model.dofs.rigid.T @ (model.mass @ model.dofs.rigid))
-        facts.append(f"mass {total[0, 0]:.6g} kg")
+        facts.append(f"mass {total:.6g} kg")
     said, kept = {finding.check for finding in findings}, []
     for one in findings:
         if FOLLOWS.get(one.check, set()) & said:

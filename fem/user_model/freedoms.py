@@ -221,9 +221,6 @@ def _require_hold(found: DofMap, contents: Contents, description: Description) -
 
 # Places and joints that the description names, in the rows of a structure.
 
-FAR = 2.0
-"""A place lies outside when the nearest node is farther than this many times the widest gap between two neighbouring nodes."""
-
 RIGID_JOINT = 1e-6
 """Share of what a joint's sides do in a rigid motion that may be left between them: digits of coordinates."""
 
@@ -349,10 +346,10 @@ def _motion(
         raise BadInput(source=source, field=where, problem=problem, remedy="Write its rows: { dof = [0, 1, 2] }")
     node, distance, gap = nearest_node(structure, place.point)
     nearest = ", ".join(f"{x:.6g}" for x in structure.points[node])
-    if distance > FAR * gap:
-        problem = f"lies {distance:.4g} m outside of the structure"
-        raise BadInput(source=source, field=where, problem=problem, remedy=f"The nearest node is at ({nearest}) m")
-    rows, turning = place_rows(structure, place.point)[0], structure.rotations[node] if len(structure.rotations) else ()
+    rows, turning = (
+        place_rows(structure, place.point, source, where)[0],
+        structure.rotations[node] if len(structure.rotations) else (),
+    )
     there = [(axis, row) for axis, row in enumerate(turning) if row >= 0]
     about = csr_array((np.ones(len(there)), ([a for a, _ in there], [r for _, r in there])), shape=(3, n))
     said = f"The place {name} rides on the node at ({nearest}) m, {1e3 * distance:.3g} mm away." if distance > 1e-3 * gap else ""

@@ -536,6 +536,9 @@ SOUND = (30.0, 50_000.0)
 DENSEST = 50_000.0
 """[kg/m³] of the box about a model, twice what osmium has."""
 
+OF_A_CUBE = 1e7
+"""[kg/m³] of the cube about nodes in a plane or on a line, which may be of a heavy body: a slip of lengths makes it 1e9 times."""
+
 
 def mass(model: Submitted, units: UnitSystem) -> list[Finding]:
     """Is the mass that of a rigid body, is it all there, and in which unit?"""
@@ -639,17 +642,26 @@ def _lost(model: Submitted, bare: Integers, amount: str) -> Finding:
     return Finding(check="lost mass", what=what, where=model.places_of(bare), amount=amount, remedy=remedy)
 
 
+def too_dense(model: Submitted, total: float) -> list[Finding]:
+    """Whether the box about the nodes, or where they lie in a plane or on a line the cube of its longest side, is too small."""
+    extent = np.ptp(model.places, axis=0) if len(model.places) else np.zeros(3)
+    flat = extent.min() <= 0.05 * extent.max()
+    volume, most = (extent.max() ** 3, OF_A_CUBE) if flat else (np.prod(extent), DENSEST)
+    if not volume or total / volume <= most or model.stated.mass is not None:
+        return []
+    what, remedy = "the structure is denser than any material", "Check `fe_model.units`: tonnes, kilograms, millimetres"
+    amount = f"{total / volume:.4g} kg/m³ of the {'cube' if flat else 'box'} about it, {total:.4g} kg in all"
+    return [Finding(check="units", what=what, where="array `mass` and `coordinates`", amount=amount, remedy=remedy)]
+
+
 def _material(model: Submitted, total: float) -> Iterator[Finding]:
     """Whether any material is so stiff, so slow or so dense: what is left to see a confused unit by when nothing is stated."""
     from scipy.sparse import coo_array
 
-    labels, M, k, m = model.dofs.labels, model.mass, model.stiffness.diagonal(), model.mass.diagonal()
-    extent = np.ptp(model.places, axis=0) if len(model.places) else np.zeros(3)
-    if len(model.places) and extent.min() > 0.05 * extent.max() and total / np.prod(extent) > DENSEST:
-        what, remedy = "the structure is denser than any material", "Check `fe_model.units`: tonnes, kilograms, millimetres"
-        amount = f"{total / np.prod(extent):.4g} kg/m³ of the box about it, {total:.4g} kg in all"
-        yield Finding(check="units", what=what, where="array `mass` and `coordinates`", amount=amount, remedy=remedy)
+    if dense := too_dense(model, total):
+        yield from dense
         return
+    labels, M, k, m = model.dofs.labels, model.mass, model.stiffness.diagonal(), model.mass.diagonal()
     order = np.argsort(model.nodes)
     place = model.places[order[np.searchsorted(model.nodes, labels[:, 0], sorter=order).clip(max=len(order) - 1)]]
     pattern = coo_array(model.stiffness)

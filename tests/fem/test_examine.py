@@ -718,6 +718,22 @@ def test_a_file_on_the_ground_or_free_is_sound(make: Callable[..., Sample], unit
     assert f"node {node}, x" in tied[0].where
 
 
+@pytest.mark.parametrize("make", [frame, chain, plate])
+def test_metres_that_are_said_to_be_millimetres_are_seen_on_the_ground_too(make: Callable[..., Sample], tmp_path: Path) -> None:
+    """Of what stands on the ground no density was looked at, and of a flat structure nowhere."""
+    sample = make(np.random.default_rng(5), units="m-kg-N-s")
+    kept = ~np.isin(sample.arrays["dof"][:, 0], sample.interface)
+    clamped = {name: np.array(sample.arrays[name])[np.ix_(kept, kept)] for name in ("stiffness", "mass")}
+    stood = replace(sample, arrays={**sample.arrays, **clamped, "dof": sample.arrays["dof"][kept]}, support="ground")
+    path = replace(stood, ending=".npz").write(tmp_path)
+    assert examine.examine(path).findings == ()
+    with np.load(path) as file:
+        arrays = dict(file)
+    arrays["description"] = np.array(str(arrays["description"]).replace("m-kg-N-s", "mm-t-N-s"))
+    np.savez(path, **arrays)
+    assert [one.check for one in examine.examine(path).findings] == ["units"]
+
+
 SOIL = """
 [fe_model.places]
 foot = 101

@@ -658,14 +658,17 @@ def test_a_channel_that_reads_nothing_of_the_force_is_said(tmp_path: Path) -> No
     assert "no response follows the force" in said[2][0]
 
 
-def test_answers_that_ring_on_are_said_once_for_all_files(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("names", "words"), [("abc", "and of 2 other files still ring"), ("ab", "and of 1 other file still ring")]
+)
+def test_answers_that_ring_on_are_said_once_for_all_files(tmp_path: Path, names: str, words: str) -> None:
     force, x = blows_of(0.001, count=2)
-    for name in ("a", "b", "c"):
+    for name in names:
         files.write(tmp_path / f"{name}.h5", Signals(source=name, samples={"force": force, name: x}, sampling_rate=RATE))
-    entries = [{"path": f"{name}.h5", "drive": name, "columns": {"response": name}} for name in ("a", "b", "c")]
+    entries = [{"path": f"{name}.h5", "drive": name, "columns": {"response": name}} for name in names]
     found = read(tmp_path, described(files=entries, responses=["r"], records={"kind": "hammer", "block": "3.8 s"}))
     (said,) = (one for one in found.warnings if "ring" in one)
-    assert "and of 2 other files still ring" in said
+    assert words in said
 
 
 # The real ones.

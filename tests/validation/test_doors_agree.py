@@ -52,7 +52,7 @@ def test_an_article_that_nobody_knows_is_said_by_check_and_refused_by_compare(ru
     change(campaign, r'article = "fmd\+cuboid"', 'article = "cubiod"')
     code, said = checked(run)
     assert code == 0  # an article of somebody's own is nothing wrong
-    assert "Article cubiod is not built in: a model file names it in [structure.own]. Did you mean cuboid?" in said
+    assert "Article cubiod is not built in: a model file has it in [fe_model] or [structure.own]. Did you mean cuboid?" in said
     assert "is cubiod, which is not built in" in refused("compare", "model.toml", "test")
 
 

@@ -16,7 +16,18 @@ import pytest
         (("check", "none.uff"), "none.uff: there is no such file. Check the path"),
         (("check", "hammer"), "it holds no campaign.toml. Name hammer/test.toml"),
         (("compare", "m.toml", "hammer"), "it holds no campaign.toml. Name hammer/test.toml"),
+        (("compare", "hammer/test.toml", "m.toml"), "where a model file is needed. MODEL comes first and DATA behind it"),
+        (
+            ("correct", "hammer", "force-gain:tip-z=0.1", "--out", "o"),
+            "it is no campaign, of whose records alone",
+        ),
+        (("correct", "hammer/test.toml", "unit:tip-z=9.8", "--out", "o"), "`massline add MODEL EFFECT hammer/test.toml`"),
+        (
+            ("report", "m.toml", "series", "--out", "x.pdf"),
+            "a report, of which --pdf prints a PDF beside it, is written",
+        ),
         (("reference", "m.toml"), "this is a model file, not what is read here"),
+        (("modes", "study.toml"), "this is a model file, not what is read here. Name the structure that it names: tower.toml"),
         (("add", "m.toml", "series"), "the effect stands before DATA"),
         (("excite", "fmd", "--axis", "rx"), "Did you mean alpha?"),
         (("excite", "fmd", "--axis", "ry"), "Did you mean beta?"),
@@ -30,6 +41,8 @@ def test_what_was_mistaken_is_said(refused, run, tmp_path, arguments, words):
     (tmp_path / "bar.msh").write_text("$MeshFormat\n", encoding="utf-8")
     for name in ("series", "hammer"):
         (tmp_path / name).mkdir()
-    (tmp_path / "hammer" / "test.toml").touch()
+    (tmp_path / "hammer" / "test.toml").write_text('format = 1\nkind = "response-functions"\n', encoding="utf-8")
+    own = 'model = { title = "", article = "tower" }\nstructure = { own = { tower = "tower.toml" } }\n'
+    (tmp_path / "study.toml").write_text(own, encoding="utf-8")
     (tmp_path / "series" / "campaign.toml").write_text("format = 1\n", encoding="utf-8")
     assert words in refused(*arguments)

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import TextPath
 from numpy.testing import assert_allclose
 
 from geometry.articles import built_in
@@ -65,6 +67,15 @@ def test_the_map_of_nodes_says_whole_why_its_figures_are_not_those_of_the_table(
     said = " ".join(lines)
     assert "to first order (the table's sizes are finite)" in said
     assert "…" not in said
+
+
+def test_what_is_looked_for_everywhere_fits_above_its_tile():
+    """One heading ran into the next, and the last off the sheet."""
+    bold = FontProperties(family="DejaVu Sans", weight="bold")
+    wide = {
+        words: TextPath((0, 0), words, size=motion.LETTERS + 2, prop=bold).get_extents().width for words in motion.WORDS.values()
+    }
+    assert max(wide.values()) <= motion.TILE[0] - 24, wide
 
 
 @pytest.mark.parametrize("name", ["clumod-4", "disc+cuboid"])

@@ -123,9 +123,10 @@ def test_text_of_a_spreadsheet_in_utf_16_is_read(study, answer, tmp_path):
 
 
 @pytest.mark.filterwarnings("error")
-def test_a_sensor_across_the_motion_of_the_model_is_compared(study, answer):
-    found = answer("compare", study(ONE.replace("floor-2:x", "floor-2:y")))
-    assert "floor-2-y" in found["worst"][0]["text"]
+def test_a_sensor_across_the_motion_of_the_model_is_compared(study, answer, run):
+    path = study(ONE.replace("floor-2:x", "floor-2:y"))
+    assert "floor-2-y" in answer("compare", path)["worst"][0]["text"]
+    assert re.search(r"floor-1-x/floor-2-y +0.000 +–", run("compare", path)[1])  # and no level of -2964 dB
 
 
 @pytest.mark.parametrize(
@@ -233,3 +234,64 @@ def test_base_tests_of_two_articles_are_asked_for_the_coordinates_of_both_as_wel
     effect = Added(named=Named(family="point-mass", targets=(place,), values={"": 0.05}))
     (said,) = Study.on_several(SimpleNamespace(made=[of("a")], tests=[of("b")]), [effect])  # type: ignore[arg-type]
     assert "which acts on a and b" in said
+
+
+def test_frequencies_in_radians_a_second_are_told(study, answer):
+    """Each was paired with the mode that lay nearest, without a word."""
+    said = " ".join(answer("compare", study(f"frequencies = {[round(6.2832 * one, 3) for one in HERTZ]}\n"))["warnings"])
+    assert "6.28 times those of the lowest modes: they are in rad/s" in said
+    assert "rad/s" not in " ".join(answer("compare", study(TABLE))["warnings"])
+
+
+MISSPELT = f'sensors = ["Floor-2:x", "floor-1:x"]\n{TABLE}shapes = [[1, 0.5], [1, 2], [1, -2]]\n'
+
+
+@pytest.mark.parametrize("test", [ONE.replace("floor-2:x", "Floor-2:x"), MISSPELT])
+def test_a_place_that_is_misspelt_is_said_with_the_nearest(study, refused, test):
+    assert "frame has no such place. Did you mean floor-2? Its places are" in refused("compare", study(test))
+
+
+def test_modes_from_the_highest_down_are_a_table_from_the_lowest_up(run, tmp_path):
+    (tmp_path / "modes.toml").write_text('format = 1\nkind = "modal-table"\narticle = "frame"\nfrequencies = [13.5, 3.4]\n')
+    assert re.search(r"modes +2 +3.4 +13.5", run("check", "modes.toml")[1])
+
+
+BENT = """\
+format = 1
+model = { title = "", article = "bent" }
+[fe_model]
+kind = "frame"
+nodes = { a = ["0 mm", "0 mm", "0 mm"], b = ["400 mm", "0 mm", "0 mm"], c = ["400 mm", "300 mm", "0 mm"] }
+members = { long = ["a", "b"], short = ["b", "c"] }
+section = { width = "20 mm", thickness = "10 mm", across = "z" }
+material = "steel"
+elements = 4
+loss_factor = 0.01
+[[test]]
+kind = "modal-table"
+frequencies = [95.0, 170.0, 330.0]
+"""
+
+
+def test_rigid_motions_of_a_free_structure_are_none_of_its_modes(run, answer, tmp_path):
+    """They were "first long mode" with a damping of -1e17 %, and what came behind them was the seventh."""
+    (tmp_path / "bent.toml").write_text(BENT)
+    modes = answer("compare", "bent.toml")["maps"][0]["modes"]
+    assert [one["name"] for one in modes[:6]] == 6 * ["rigid motion"]
+    assert [one["damping_ratio"] for one in modes[:6]] == 6 * [0]
+    assert modes[6]["name"] in ("first long mode", "first short mode")
+    assert modes[6]["damping_ratio"] == pytest.approx(0.005, rel=0.2)
+    assert run("report", "bent.toml", "--no-diagnosis", "--out", "bent.html")[0] == 0
+    page = (tmp_path / "bent.html").read_text()
+    assert "rigid motion" not in page[page.index("Modes of bent") :]
+
+
+def test_what_is_looked_for_at_coordinates_is_looked_for_there_or_said_to_lie_outside(refused, answer, tmp_path):
+    """Both were "no effect that could act on these data"; of a place that has no name as well."""
+    (tmp_path / "bent.toml").write_text(BENT)
+    said = refused("diagnose", "bent.toml", "--candidate", "point-mass:@0.4,0.9,0")
+    assert "`@0.4,0.9,0`: lies 600 mm outside the mesh; the nearest point is (400, 300, 0) mm" in said
+    said = refused("diagnose", "bent.toml", "--candidate", "point-mass:d")
+    assert "There are point-mass:a, point-mass:b, point-mass:c." in said
+    found = answer("diagnose", "bent.toml", "--candidate", "point-mass:@0.2,0,0")
+    assert found["settings"]["only"] == ["point-mass:@0.2,0,0"]

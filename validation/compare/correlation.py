@@ -32,6 +32,9 @@ GREEN = 0.9
 FAR = 3.0
 """[sigma] from which a frequency is off."""
 
+IN_RADIANS = 0.2
+"""[share] that frequencies of a table may be off times 2 pi, each of them, to be told in rad/s."""
+
 BEYOND = 1.3
 """Times the highest frequency of a table up to which modes of the model are looked at."""
 
@@ -154,6 +157,10 @@ def of_modes(modes: RealModes, table: ModalTable, allowed: npt.ArrayLike = 0.0) 
         )
         for k in range(len(of))
     )
+    lowest, count, said = f[f > STRAINS_NOT * table.frequency.min()][: len(of)], len(of), list[str]()
+    if count > 2 and count == len(lowest) and np.all(np.abs(np.sort(table.frequency) / (2 * np.pi * lowest) - 1) < IN_RADIANS):
+        said = ["measured frequencies are 6.28 times those of the lowest modes: they are in rad/s"]
+    said += _remarks(pairs, [k + 1 for k in inside], np.hypot(allowed, table.frequency_deviation / table.frequency))
     return ModalCorrelation(
         data_set=table.title,
         rule=RULE if table.shapes is not None else RULE.replace("1 - MAC + ", ""),
@@ -163,7 +170,10 @@ def of_modes(modes: RealModes, table: ModalTable, allowed: npt.ArrayLike = 0.0) 
         mac=matrix,
         cross_orthogonality=crossed,
         comac=by_sensor,
-        remarks=_remarks(pairs, [k + 1 for k in inside], np.hypot(allowed, table.frequency_deviation / table.frequency)),
+        remarks=(
+            *said,
+            *_remarks(pairs, [k + 1 for k in inside], np.hypot(allowed, table.frequency_deviation / table.frequency)),
+        ),
         measured_shapes=read,
         model_shapes=seen_of,
     )
@@ -305,6 +315,12 @@ def _csv(head: Sequence[str], rows: Iterable[Iterable[object]]) -> str:
 
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
 
+RIGID = "rigid motion"
+"""Name of a mode of a structure that floats which strains nothing."""
+
+STRAINS_NOT = 1e-4
+"""Share of the frequency of the first elastic mode up to which that of a rigid motion is rounding."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class NamedMode:
@@ -325,9 +341,8 @@ class NamedMode:
 
 
 def modes_of(prediction: StructurePrediction, offsets: Offsets) -> tuple[NamedMode, ...]:
-    """The modes with the base held, ascending, of the structure at `offsets`, its effects acting.
-
-    The last of them stand for the static answer of all others.
+    """The modes with the base held, ascending, of the structure at `offsets`, its effects acting; of one that floats first its
+    rigid motions, which lose nothing. The last stand for the static answer of all others.
     """
     if prediction.structure is None:
         return ()
@@ -340,7 +355,10 @@ def modes_of(prediction: StructurePrediction, offsets: Offsets) -> tuple[NamedMo
     squares, shapes = modal_table.real_pairs(K, M)
     moving = np.isfinite(squares)  # the others have no mass
     omega, shapes = np.sqrt(np.maximum(squares[moving], 0.0)), shapes[:, moving]
-    zeta = (_energy(C, shapes) + _energy(S, shapes) / np.maximum(omega, 1e-12)) / np.maximum(2 * omega, 1e-12)
+    floats = min(int(np.count_nonzero(matrices.rigid[:, own].any(axis=0))), len(omega) - 1)
+    rigid = int(np.count_nonzero(omega[:floats] < STRAINS_NOT * omega[floats]))
+    swings = np.append(np.full(rigid, np.inf), np.maximum(omega[rigid:], 1e-12))
+    zeta = (_energy(C, shapes) + _energy(S, shapes) / swings) / (2 * swings)
     # By mode the part with the largest share of strain energy; empty words where the model does not say
     shares: dict[str, Array] = {}
     for part, stiffness in matrices.parts.items():
@@ -351,9 +369,9 @@ def modes_of(prediction: StructurePrediction, offsets: Offsets) -> tuple[NamedMo
     found: list[NamedMode] = []
     effective = np.square(shapes.T @ matrices.mass[own, : matrices.base])
     for k, (part, w, z, m) in enumerate(zip(holders, omega, zeta, effective, strict=True)):
-        place = holders[:k].count(part)
+        place = holders[rigid:k].count(part)
         ordinal = ORDINALS[place] if place < len(ORDINALS) else f"{place + 1}th"
-        name = f"{ordinal} {part} mode".replace("  ", " ")
+        name = RIGID if k < rigid else f"{ordinal} {part} mode".replace("  ", " ")
         mass = tuple(map(float, m))
         found.append(NamedMode(name=name, frequency=float(w / (2 * np.pi)), damping_ratio=float(z), effective_mass=mass))
     return tuple(found)

@@ -107,7 +107,8 @@ def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str
         if not any(_is(one.named, wanted) for one in found):
             names = dict.fromkeys(name for one in found for name in (one.named.family, one.named.id))
             problem = "is no effect that could act on these data and be told by them"
-            remedy = f"{nearest(wanted, names)}`massline effects` lists the catalogue"
+            there = ", ".join(one.named.id for one in found if one.named.family == wanted.partition(":")[0])
+            remedy = f"{nearest(wanted, names)}{f'There are {there}' if there else '`massline effects` lists the catalogue'}"
             raise BadInput(source="--candidate", field=wanted, problem=problem, remedy=remedy)
     return tuple(one for one in found if looked_for(one.named, only, ()))
 

@@ -89,6 +89,8 @@ def diagnosed(
     # A model that makes the same mistakes as the data leaves nothing of them
     known = tuple(Added(named=one.named, fixed=True) for one in mistaken)
     right = replace(of, model=replace(of.model, effects=(*of.model.effects, *known))) if known else of
+    if positions := [word for one in only for word in one.split(":") if effect.position(word) is not None]:
+        right = right.ready_at(positions)
     linear = [one for one in only if FAMILIES[one.partition(":")[0]].side != effect.AMPLITUDE]
     # Refuses what could not act, before any fit
     menu = candidates.candidates(right, only=linear, leave_out=leave_out) if linear else ()
@@ -618,9 +620,6 @@ def require_runs(campaigns: Sequence[Campaign]) -> None:
     count = sum(len(one.runs) for one in campaigns)
     if count < FEWEST_RUNS and not any(one.table.select(group="article", quantity="acceleration") for one in campaigns):
         names = ", ".join(f"{run.name} of {one.source}" for one in campaigns for run in one.runs)
-        raise BadInput(
-            source="DATA",
-            field="runs",
-            problem=f"too few: {count} in all ({names}), and what one run teaches another must confirm",
-            remedy="Name a campaign with more runs, one for each of the six axes at best, or more campaigns of the series",
-        )
+        problem = f"too few: {count} in all ({names}), and what one run teaches another must confirm"
+        remedy = "Name a campaign with more runs, one for each of the six axes at best, or more campaigns of the series"
+        raise BadInput(source="DATA", field="runs", problem=problem, remedy=remedy)

@@ -110,12 +110,9 @@ def require_model(name: str, model: str, option: str = "--model") -> str:
     BadInput : it is not.
     """
     if is_model(name) and option == "--against":
-        raise BadInput(
-            source=name,
-            field=option,
-            problem=f"of what a file of your own models, no {model} model can be made",
-            remedy="Name the built-in article or the STEP file first, and your model behind --against",
-        )
+        problem = f"of what a file of your own models, no {model} model can be made"
+        remedy = "Name the built-in article or the STEP file first, and your model behind --against"
+        raise BadInput(source=name, field=option, problem=problem, remedy=remedy)
     if is_model(name) or is_model(model):
         return OWN
     toml_file.one_of(model, MODELS, source=f"article {name}", where=option)
@@ -127,12 +124,9 @@ def require_model(name: str, model: str, option: str = "--model") -> str:
     require_file(name)
     if model != "solid":
         article = "an" if model.startswith("e") else "a"
-        raise BadInput(
-            source=name,
-            field=option,
-            problem=f"{article} {model} model is made of the dimensions of built-in articles, and a CAD file has none",
-            remedy="Use --model solid, which meshes any STEP file, or give a model of your own (.h5, .npz, .op4)",
-        )
+        problem = f"{article} {model} model is made of the dimensions of built-in articles, and a CAD file has none"
+        remedy = "Use --model solid, which meshes any STEP file, or give a model of your own (.h5, .npz, .op4)"
+        raise BadInput(source=name, field=option, problem=problem, remedy=remedy)
     return model
 
 
@@ -158,17 +152,12 @@ def require_used(name: str, models: Collection[str], asked: FlexibleOptions) -> 
     require_use([name], reference.ArticleOptions(unit=asked.unit, material=asked.material, changes=asked.changes))
     for option, wanted, part in (("--joints", asked.joints, "clumod"), ("--cells", asked.cells, "fmd")):
         if wanted and (not {"beam", "exudyn"} & set(models) or part not in name):
-            raise BadInput(
-                source=option,
-                problem=f"beam models with {part} have it, found {name} as {' and '.join(models)}",
-                remedy="Leave it out, or name such an article and --model beam or exudyn",
-            )
+            problem = f"beam models with {part} have it, found {name} as {' and '.join(models)}"
+            remedy = "Leave it out, or name such an article and --model beam or exudyn"
+            raise BadInput(source=option, problem=problem, remedy=remedy)
     if asked.size is not None and "solid" not in models:
-        raise BadInput(
-            source="--size",
-            problem=f"only the solid model has elements of a size, found {' and '.join(models)}",
-            remedy="Leave it out, or add --model solid",
-        )
+        problem = f"only the solid model has elements of a size, found {' and '.join(models)}"
+        raise BadInput(source="--size", problem=problem, remedy="Leave it out, or add --model solid")
 
 
 def flexible(name: str, model: str, asked: FlexibleOptions) -> Flexible:
@@ -238,12 +227,9 @@ def require_base(model: Flexible) -> None:
     if model.structure is None or len(model.structure.held):
         return
     support = "ground" if model.structure.grounded else "free"
-    raise BadInput(
-        source=model.article,
-        field="fe_model.support",
-        problem=f'is "{support}": it has no base, about which a dynamic mass or a base motion could be',
-        remedy='State support = "base" with the interface that is shaken',
-    )
+    problem = f'is "{support}": it has no base, about which a dynamic mass or a base motion could be'
+    remedy = 'State support = "base" with the interface that is shaken'
+    raise BadInput(source=model.article, field="fe_model.support", problem=problem, remedy=remedy)
 
 
 def _damped(modes: Modes, damping: Damping | None) -> Modes:
@@ -308,23 +294,17 @@ def chosen(name: str, model: str | None, against: str | None = None) -> tuple[st
     BadInput : a model asked for of a file that is one itself, or the same model twice.
     """
     if model is not None and is_model(name):
-        raise BadInput(
-            source=name,
-            field="--model",
-            problem=f"the file is a model of your own already, of which no {model} model can be made",
-            remedy="Leave it out; to set both side by side name the article first and your model behind --against",
-        )
+        problem = f"the file is a model of your own already, of which no {model} model can be made"
+        remedy = "Leave it out; to set both side by side name the article first and your model behind --against"
+        raise BadInput(source=name, field="--model", problem=problem, remedy=remedy)
     first = DEFAULT if model is None else model
     if against is None:
         return (first,)
     same_file = is_model(first) and is_model(against) and Path(first).resolve() == Path(against).resolve()
     if not is_model(name) and (against == first or same_file):
-        raise BadInput(
-            source=name,
-            field="--against",
-            problem=f"the {against} model would stand beside itself",
-            remedy=f"Name another model: {', '.join(m for m in MODELS if m != first)}, or a file with one of your own",
-        )
+        problem = f"the {against} model would stand beside itself"
+        remedy = f"Name another model: {', '.join(m for m in MODELS if m != first)}, or a file with one of your own"
+        raise BadInput(source=name, field="--against", problem=problem, remedy=remedy)
     return first, against
 
 

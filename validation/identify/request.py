@@ -83,12 +83,9 @@ def _facts(key: str, value: object, name: str, campaign: Campaign) -> list[Fact]
     if key.startswith("cog_"):
         pose = stated(campaign)
         if pose is None:
-            raise BadInput(
-                source=f"{campaign.source}/campaign.toml",
-                field="mounting",
-                problem=f"is missing, and {name} states the CoG from the article's own origin",
-                remedy="State where that origin is mounted, [mounting] with origin",
-            )
+            problem = f"is missing, and {name} states the CoG from the article's own origin"
+            remedy = "State where that origin is mounted, [mounting] with origin"
+            raise BadInput(source=f"{campaign.source}/campaign.toml", field="mounting", problem=problem, remedy=remedy)
         axis, sign = _axis("xyz".index(key[-1]), pose, name, key)
         origin = float(pose.position[axis])
         return [Fact(quantity=f"cog_{'xyz'[axis]}_mm", value=sign * size + origin, sd=sd, source=name)]
@@ -106,12 +103,9 @@ def _axis(k: int, pose: Pose, name: str, key: str) -> tuple[int, float]:
     along: Array = pose.rotation[:, k]
     axis = int(np.argmax(np.abs(along)))
     if abs(along[axis]) < 1 - ALONG:
-        raise BadInput(
-            source=name,
-            field=key,
-            problem=f"axis {'xyz'[k]} of the article lies askew in the campaign, along {np.round(along, 4).tolist()}",
-            remedy="Use results about the turning axis, or a mounting turned by a multiple of 90 deg",
-        )
+        problem = f"axis {'xyz'[k]} of the article lies askew in the campaign, along {np.round(along, 4).tolist()}"
+        remedy = "Use results about the turning axis, or a mounting turned by a multiple of 90 deg"
+        raise BadInput(source=name, field=key, problem=problem, remedy=remedy)
     return axis, float(np.sign(along[axis]))
 
 
@@ -320,11 +314,9 @@ def tolerances_of(settings: Sequence[str]) -> Tolerances:
     for text in settings:
         key, equals, value = (part.strip() for part in text.partition("="))
         if not equals or key not in known_keys:
-            raise BadInput(
-                source="--tolerance",
-                problem=f"KEY=VALUE with a tolerance's name is expected, found {text!r}",
-                remedy=f"{nearest(key, known_keys)}Known are {', '.join(known_keys)}",
-            )
+            problem = f"KEY=VALUE with a tolerance's name is expected, found {text!r}"
+            remedy = f"{nearest(key, known_keys)}Known are {', '.join(known_keys)}"
+            raise BadInput(source="--tolerance", problem=problem, remedy=remedy)
         dimension = DIMENSIONS.get(key, "ratio")
         changed[key] = float(quantity(value, dimension, source="--tolerance", field=key).nominal_value)
     return Tolerances(**changed)

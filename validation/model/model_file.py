@@ -302,6 +302,7 @@ def of_table(table: dict[str, Any], source: str) -> Model:
         what = f"this is {kind}" if kind else "the table [model] is missing"
         alike = [key for key, one in table.items() if isinstance(one, dict) and {*one} & {*MODEL}]
         remedy = f"{nearest('model', alike)}`massline model ARTICLE --out FILE` writes one"
+        remedy = f"MODEL comes first and DATA behind it. {remedy}" if kind == toml_file.KINDS["kind"] else remedy
         if STRUCTURE_FILE[0] in table:
             remedy = f"`massline model {source} --test TEST --out STUDY` writes one for both; without --test, one to simulate"
         raise BadInput(source=source, field="model", problem=f"{what}, where a model file is needed", remedy=remedy)
@@ -495,7 +496,7 @@ def study_text(path: str, tests: Sequence[str], out: Path) -> str:
 
 
 def draft(article: str, out: Path | None = None) -> Model:
-    """The model to start from for `article`, which is to be written to the file `out`.
+    """The model to start from for `article`, which is to be written to the file `out`, else here, or beside a file elsewhere.
 
     `article` is a built-in stack on the FMD; a file with a model or a drawing of the user's own, which is put on the FMD; or a
     model file, which is written anew.
@@ -513,6 +514,8 @@ def draft(article: str, out: Path | None = None) -> Model:
             is_model_file = path.name != DESCRIPTION  # `read` says what is wrong with it
         if is_model_file:
             found, at = read(article), out or Path("model.toml")
+            if out is None and not path.resolve().is_relative_to(Path.cwd()):
+                at = path.with_name(at.name)  # what it names is seen from there alone
             if at.resolve() in {Path(one).resolve() for one in found.own.values()}:
                 problem = "the structure that it describes would not be in it any more"
                 raise BadInput(source=str(out), field="--out", problem=problem, remedy="Name another file")
@@ -532,7 +535,8 @@ def draft(article: str, out: Path | None = None) -> Model:
         elif not path.is_file():
             raise BadInput(source=article, problem="there is no such file", remedy="Check the path")
         name = path.parent.resolve().name if path.name == DESCRIPTION else path.stem
-        stated = toml_file.read(path).get(STRUCTURE_FILE[0]) if path.suffix.lower() == ".toml" else None
+        said = path.with_suffix(".toml")  # by itself, or beside its data
+        stated = toml_file.read(said).get(STRUCTURE_FILE[0]) if said.is_file() else None
         usual = "ground" if isinstance(stated, dict) and stated.get("kind") == "frame" else "base"
         by_itself = isinstance(stated, dict) and stated.get("support", usual) != "base"
         article, title = (name, name) if by_itself else (f"{KNOWN_FMD}+{name}", f"{name} on the FMD")
@@ -574,28 +578,6 @@ def with_effect(text: str, added: Added, source: str = SOURCE) -> str:
     anew = "".join(f"{line}\n" for line in effect_text(added).splitlines()[2:])
     edits = [f"{above}{header}{body}{behind}" for body in (tomlkit.dumps(table), anew)]
     return _verified(text, edits, [*before.effects[:place], added, *before.effects[place + 1 :]], source)
-
-
-def without_effect(text: str, id: str, source: str = SOURCE) -> str:
-    """`text` of the file `source` without the effect `id`.
-
-    Raises
-    ------
-    BadInput : `text` is no model file, has no such effect, or its effects do not stand as [[effect]].
-    """
-    before = _read(text, source)
-    ids = [one.named.id for one in before.effects]
-    if id not in ids:
-        known = f"it has {', '.join(ids)}" if ids else "it has none"
-        raise BadInput(source=source, field=id, problem="the model has no such effect", remedy=f"{nearest(id, ids)}{known}")
-    place = ids.index(id)
-    above, _, _, behind = _parted(text, place, source)
-    lines = above.splitlines(keepends=True)
-    while lines and lines[-1].lstrip().startswith("#"):
-        lines.pop()
-    if lines and not lines[-1].strip():  # one empty line between what stays is enough
-        lines.pop()
-    return _verified(text, ["".join(lines) + behind], [*before.effects[:place], *before.effects[place + 1 :]], source)
 
 
 def _read(text: str, source: str) -> Model:

@@ -506,11 +506,7 @@ def of(
     ------
     BadInput : a sensor at a place that the structure has not; fewer modes in the model than in the table.
     """
-    for point in table.sensors:
-        if point.place not in structure.nominal.places:
-            known = ", ".join(list(structure.nominal.places)[:20]) or "none"
-            problem, remedy = f"{structure.configuration} has no such place", f"Its places are {known}; name it there"
-            raise BadInput(source=table.source, field=point.place, problem=problem, remedy=remedy)
+    points.require_places(table.sensors, structure.nominal.places, structure.configuration, table.source)
     modes = real_modes(structure.nominal)
     try:
         table = since_before(modes, table)

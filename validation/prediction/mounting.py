@@ -268,10 +268,12 @@ def _unread(recipe: "_Recipe", source: str, name: str, place: str) -> str:
     model = users_model(recipe.own, recipe.stamp).model
     error = lacking(model, place) if isinstance(model, Structure) else None
     problem = error.problem if error is not None else "has no known motion: the model has no coordinates"
+    remedy = "correct its position, or where the article is mounted"
+    remedy = "bring its dof, nodes and coordinates" if problem.endswith("has no coordinates") else remedy
     at = ", ".join(f"{1e3 * value:.5g}" for value in position(place) or ())
     return (
         f"accelerometer {name} in {source} is not used: at ({at}) mm from the origin of {recipe.article}, along its axes, it "
-        f"{problem}; correct its position, or where the article is mounted"
+        f"{problem}; {remedy}"
     )
 
 

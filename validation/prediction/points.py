@@ -8,14 +8,16 @@ each linear in v, so that every derivative is a row itself. How far it may be tu
 the test, as of any pick-up; the others are parameters that effects open: `possible` says which.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import AXES, Point, Tolerances
+from geometry.toml_file import nearest
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import OPENED
 from validation.effects.stages import Matrices
@@ -40,6 +42,14 @@ class PointRows:
 
     values: Array
     changes: Mapping[str, tuple[int, Array]]
+
+
+def require_places(points: Sequence[Point], places: Collection[str], whose: str, source: str) -> None:
+    """Refuse a point of the test in the file `source` at none of the `places` of the structure that is called `whose`."""
+    for one in points:
+        if one.place not in places:
+            known = f"{nearest(one.place, places)}Its places are {', '.join(list(places)[:20]) or 'none'}; name it there"
+            raise BadInput(source=source, field=one.place, problem=f"{whose} has no such place", remedy=known)
 
 
 def asked(effects: Sequence[Added], families: Sequence[str]) -> list[str]:

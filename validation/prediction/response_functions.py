@@ -494,13 +494,7 @@ def of(
     ------
     BadInput : a place that the structure has not, a band without lines, force over response.
     """
-    for point in (*data.drives, *data.responses):
-        if point.place not in structure.nominal.places:
-            known = ", ".join(list(structure.nominal.places)[:20]) or "none"
-            problem = f"{structure.configuration} has no such place"
-            raise BadInput(
-                source=data.source, field=point.place, problem=problem, remedy=f"Its places are {known}; name it there"
-            )
+    points.require_places((*data.drives, *data.responses), structure.nominal.places, structure.configuration, data.source)
     from scipy.ndimage import uniform_filter1d
     from scipy.special import digamma
 

@@ -315,12 +315,9 @@ def predictions(
     by_hardware = {one.hardware: one.source for one in campaigns if one.hardware}
     if len(by_hardware) > 1:
         listed = "; ".join(f"{hardware} in {source}" for hardware, source in by_hardware.items())
-        raise BadInput(
-            source="series",
-            field="hardware",
-            problem=f"one model holds for one FMD and its sensors, found {listed}",
-            remedy="Compare campaigns of one hardware at a time, each with a model of its own",
-        )
+        problem = f"one model holds for one FMD and its sensors, found {listed}"
+        remedy = "Compare campaigns of one hardware at a time, each with a model of its own"
+        raise BadInput(source="series", field="hardware", problem=problem, remedy=remedy)
     found, tell, count = [], progress or (lambda share: None), len(campaigns)
     for k, (stated, name) in enumerate(zip(campaigns, names(campaigns), strict=True)):
         campaign = with_unmeasured(stated)
@@ -328,6 +325,11 @@ def predictions(
         done = partial(lambda before, share: tell((before + share) / count), k)
         made = measured(campaign, of, name, band=band, method=method, lines=lines, progress=done)
         driven, stands = drives(campaign, made.method), mounted_article(model, campaign, float(made.measured.frequency[-1]))
+        if stands.unread and made.measured.inputs is None and len(made.measured.channels) <= len(MOTIONS):
+            problem = (
+                f"nothing is left that tells more than the base: {next(one for one in stands.remarks if stands.unread[0] in one)}"
+            )
+            raise BadInput(source=campaign.source, field="channel", problem=problem, remedy="Or measure the forces below it")
         unread = ", ".join(name for name in of.left_out if name not in stands.unread)
         why = f"not used: {unread}, which read no motion of cover plate, table or article, and no load of the FMD"
         tested = TestedCampaign(

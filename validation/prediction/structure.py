@@ -773,7 +773,7 @@ def with_positions(structure: Structure, positions: Sequence[str]) -> Structure:
 
     Raises
     ------
-    BadInput : outside the mesh, or no coordinates are known.
+    BadInput : outside the structure, or no coordinates are known.
     """
     new = {name: at for name in positions if name not in structure.places and (at := position(name)) is not None}
     if not new:

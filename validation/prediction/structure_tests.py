@@ -141,7 +141,7 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
                 raise BadInput(source="test", field=point.place, problem=problem, remedy="Correct it")
             rows[point.place] = csr_array(([1.0], ([0], [int(number)])), shape=(3, n))
         elif point.position is not None:
-            rows[point.place] = place_rows(structure, point.position)[0]
+            rows[point.place] = place_rows(structure, point.position, "test", point.place)[0]
         elif word == "node" and number.isdecimal() and structure.elements is not None:
             there = structure.elements.numbered(int(number))
             rows |= {} if there is None else {point.place: there}

@@ -262,12 +262,9 @@ def position(text: object, source: str, field: str) -> Array:
     """
     found = _POSITION.fullmatch(text) if isinstance(text, str) else None
     if found is None:
-        raise BadInput(
-            source=source,
-            field=field,
-            problem=f"must be three numbers and a unit of length, found {text!r}",
-            remedy='Write for example "0 0 45 mm", turns after a semicolon: "0 0 45 mm; z 90 deg"',
-        )
+        problem = f"must be three numbers and a unit of length, found {text!r}"
+        remedy = 'Write for example "0 0 45 mm", turns after a semicolon: "0 0 45 mm; z 90 deg"'
+        raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
     numbers, unit = found.groups()[:3], found[4]
     return np.array([_si(f"{number} {unit}", "length", source, field) for number in numbers])
 
@@ -278,12 +275,8 @@ def _rotation(value: Any, source: str, field: str) -> Array:
         for turn in filter(str.strip, value.split(",")):
             found = _TURN.fullmatch(turn)
             if found is None:
-                raise BadInput(
-                    source=source,
-                    field=field,
-                    problem=f"a turn must be an axis, a number and a unit of angle, found {turn.strip()!r}",
-                    remedy='Write for example "z 90 deg, x 5 deg"',
-                )
+                problem = f"a turn must be an axis, a number and a unit of angle, found {turn.strip()!r}"
+                raise BadInput(source=source, field=field, problem=problem, remedy='Write for example "z 90 deg, x 5 deg"')
             angle = _si(f"{found[2]} {found[3]}", "angle", source, field)
             rotation = rotation @ rotation_about(found[1], angle)
         return rotation
@@ -542,12 +535,9 @@ def read(table: Mapping[str, Any], source: str, frame: Pose) -> Statement:
         raise BadInput(source=source, field="inertia", problem="states both cog and first_moment", remedy="Keep one of them")
     about, first_moment = inertia.get("about", "cog"), "first_moment" in inertia
     if about == "cog" and first_moment:
-        raise BadInput(
-            source=source,
-            field="inertia.first_moment",
-            problem="a first moment about the CoG is zero",
-            remedy='State the point it is about, about = "origin" or "0 0 45 mm"',
-        )
+        problem = "a first moment about the CoG is zero"
+        remedy = 'State the point it is about, about = "origin" or "0 0 45 mm"'
+        raise BadInput(source=source, field="inertia.first_moment", problem=problem, remedy=remedy)
     point = None if about == "cog" else np.zeros(3) if about == "origin" else position(about, source, "inertia.about")
     form = _Form(about=point, first_moment=first_moment, sign=_sign(inertia, source))
     listed: list[Stated | None] = []
@@ -586,12 +576,9 @@ def _sign(inertia: Mapping[str, Any], source: str) -> float:
         return 1.0
     choices = (MATRIX_ENTRY, POSITIVE_INTEGRAL)
     if "products_sign" not in inertia:
-        raise BadInput(
-            source=source,
-            field="inertia.products_sign",
-            problem="is missing; products of inertia go by two signs",
-            remedy=f'Write "{MATRIX_ENTRY}" for -∫xy dm (Eq. 4) or "{POSITIVE_INTEGRAL}" for +∫xy dm',
-        )
+        problem = "is missing; products of inertia go by two signs"
+        remedy = f'Write "{MATRIX_ENTRY}" for -∫xy dm (Eq. 4) or "{POSITIVE_INTEGRAL}" for +∫xy dm'
+        raise BadInput(source=source, field="inertia.products_sign", problem=problem, remedy=remedy)
     word = toml_file.one_of(inertia["products_sign"], choices, source=source, where="inertia.products_sign")
     return 1.0 if word == MATRIX_ENTRY else -1.0
 
@@ -599,12 +586,8 @@ def _sign(inertia: Mapping[str, Any], source: str) -> float:
 def _entries(value: Any, length: int, source: str, field: str) -> list[Any]:
     entries = [value] if length == 1 else value
     if not isinstance(entries, list) or len(entries) != length:
-        raise BadInput(
-            source=source,
-            field=field,
-            problem=f"must be a list of {length} values, found {value!r}",
-            remedy='Write each with its unit; "not stated" holds a place',
-        )
+        problem = f"must be a list of {length} values, found {value!r}"
+        raise BadInput(source=source, field=field, problem=problem, remedy='Write each with its unit; "not stated" holds a place')
     return entries
 
 
@@ -647,12 +630,8 @@ def with_interval(stated: Stated, low: float, high: float, source: str, field: s
     BadInput : the value lies outside its interval.
     """
     if not low <= stated.value <= high:
-        raise BadInput(
-            source=source,
-            field=field,
-            problem=f"the value {stated.value:.6g} lies outside its interval {low:.6g} to {high:.6g} (SI)",
-            remedy="Give low and high in this order, around the value",
-        )
+        problem = f"the value {stated.value:.6g} lies outside its interval {low:.6g} to {high:.6g} (SI)"
+        raise BadInput(source=source, field=field, problem=problem, remedy="Give low and high in this order, around the value")
     return replace(stated, tolerance=max(high - stated.value, stated.value - low))
 
 

@@ -16,7 +16,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import AXES as DIRECTIONS
 from geometry.sensors import SI, Point
-from geometry.toml_file import nearest
+from geometry.toml_file import holds, nearest
 from identification import campaign_file
 from identification.campaign import Campaign
 from identification.files import files
@@ -132,7 +132,7 @@ def notes(summary: Summary) -> list[str]:
 def _about(campaign: Campaign, summary: Summary) -> Iterable[str]:
     if not set(campaign.article.split("+")) <= set(NAMES):
         near = nearest(campaign.article, NAMES)
-        yield f"Article {campaign.article} is not built in: a model file names it in [structure.own]. {near}".rstrip()
+        yield f"Article {campaign.article} is not built in: a model file has it in [fe_model] or [structure.own]. {near}".rstrip()
     yield f"Hardware: {campaign.hardware or 'not stated, so no other campaign can be combined with this one unseen'}."
     if campaign.mounting is None:
         mounting = "No mounting pose is stated: a CoG can be given from F only."
@@ -170,6 +170,11 @@ def correct(folder: str, effects: Sequence[str], out: Path, *, force: bool, as_j
     from validation.virtual_test import simulate
 
     source = Path(folder)
+    test = source / "test.toml" if source.is_dir() else source
+    if test.is_file() and test.name != campaign_file.NAME and not holds(test, "model"):
+        problem = "it is no campaign, of whose records alone a corrected copy is written"
+        remedy = f"`massline add MODEL EFFECT {test}` lets a model know what is wrong with a test of another kind"
+        raise BadInput(source=folder, problem=problem, remedy=remedy)
     simulate.require_folder(out)
     require_folder(out, "--out")
     there, read = out.resolve(), source.resolve()
@@ -296,8 +301,8 @@ def show_tests(name: str, tests: "Sequence[ResponseFunctions | ModalTable]", *, 
             "article": one.article,
             "what": "modes",
             "count": len(lines),
-            "from_hz": lines[0],
-            "to_hz": lines[-1],
+            "from_hz": lines.min(),
+            "to_hz": lines.max(),
             "coherence": None,
         }
         if isinstance(one, ResponseFunctions):

@@ -228,7 +228,10 @@ class ComparisonPage:
         """What must be known to read the tables, then what was assumed."""
         first = self.found.worst[0].sigma if self.found.worst else 0.0
         if first < STANDS_OUT:
-            yield f"Nothing stands out: the worst spot is {two_digits(first)} sigma, and chance reaches about {STANDS_OUT - 1:g}."
+            # Of n complex cells of noise alone the worst reaches (ln n + 0.577)^½ in the mean (Gumbel)
+            cells = sum(one.deviation.size for one in self.found.maps)
+            among = f"{np.sqrt(np.log(cells) + np.euler_gamma):.1f} among {cells} cells" if first > STANDS_OUT - 1 else "3"
+            yield f"Nothing stands out: the worst spot is {two_digits(first)} sigma, and chance reaches about {among}."
         elif below := sum(one.sigma < STANDS_OUT for one in self.found.worst):
             yield f"{below} more of the ten worst spots are below {STANDS_OUT:g} sigma, as chance leaves them."
         yield (
@@ -277,7 +280,7 @@ def correlation_tables(correlation: Sequence[ModalCorrelation | FunctionCorrelat
         columns=(
             doc.Column("function", lambda row: row[1], words=True),
             doc.Column("FRAC", lambda row: row[2], ".3f"),
-            doc.Column("level", lambda row: row[3], "+.1f", unit="dB"),
+            doc.Column("level", lambda row: row[3] if abs(row[3]) < SILENT else None, "+.1f", unit="dB"),
             doc.Column("of", lambda row: row[0], words=True, on=doc.PAGE),
         ),
     )
@@ -288,6 +291,9 @@ def _some(names: tuple[str, ...] | list[str], most: int = 4) -> str:
     more = len(names) - most
     return ", ".join(names) if more <= 0 else f"{', '.join(names[:most])} and {more} more"
 
+
+SILENT = 200.0
+"""[dB] from which a function is that of nothing, in the model or in the data. By definition."""
 
 PAIRS = 6
 

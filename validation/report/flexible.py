@@ -23,11 +23,12 @@ from geometry.frames import Array
 from identification import test_file
 from identification.files import files
 from validation import output
-from validation.compare.correlation import NamedMode
+from validation.compare.correlation import RIGID, NamedMode
 from validation.diagnose.reduction_errors import MULTIPLE, ReductionErrors, reduction_errors
 from validation.flexible.dynamic_mass import UNITS, Curves
 from validation.flexible.model import OWN, Flexible, another_body
 from validation.flexible.modes import APART, SAME_MODE, Described, ModeComparison, compared, described, displacement, movable
+from validation.model import model_file
 from validation.reference.published import claims
 from validation.reference.reference import file_name
 from validation.report.charts.style import DynamicMassCurve, diagonal, full
@@ -394,20 +395,13 @@ def drawn_modes(model: Flexible, numbers: Sequence[int]) -> tuple[DrawnMode, ...
     BadInput : a mode that was not computed, or a model of which no surface is known.
     """
     if model.drawn is None or model.structure is None:
-        raise BadInput(
-            source=model.article,
-            field="--shapes",
-            problem=f"the {model.model} model gives frequencies and participations, but no shape that could be drawn",
-            remedy="Draw the beam or the solid model",
-        )
+        problem = f"the {model.model} model gives frequencies and participations, but no shape that could be drawn"
+        raise BadInput(source=model.article, field="--shapes", problem=problem, remedy="Draw the beam or the solid model")
     count = len(model.modes.frequency)
     for number in numbers:
         if not 1 <= number <= count:
-            raise BadInput(
-                source="--mode",
-                problem=f"modes 1 to {count} were computed, found {number}",
-                remedy="Choose one of them, or compute more with --count",
-            )
+            problem = f"modes 1 to {count} were computed, found {number}"
+            raise BadInput(source="--mode", problem=problem, remedy="Choose one of them, or compute more with --count")
     chosen = np.array(numbers, dtype=np.intp) - 1
     shapes = model.modes.shapes[:, chosen]
     said = words(model)
@@ -573,6 +567,7 @@ def html(report: Report, figures: Figures) -> Safe:
             alike.setdefault((of.configuration, *((one.name, one.frequency) for one in modes)), []).append(k)
     for same in alike.values():
         of, modes, names = found.maps[same[0]], found.modes[same[0]], ", ".join(found.maps[k].data_set for k in same)
+        modes = tuple(one for one in modes if one.name != RIGID)
         near = sum(one.frequency <= 2 * float(of.frequency[-1]) for one in modes)
         least = SMALL * np.max([one.effective_mass or (0.0,) * 6 for one in modes], axis=0)
         driven = range(6) if any(one.effective_mass for one in modes) else range(0)
@@ -686,16 +681,19 @@ def examine_answer(path: str, *, as_json: bool) -> None:
     BadInput : it is no model, or cannot be read at all.
     CheckFailed : something is wrong with it.
     """
+    study = path
+    if Path(path).suffix.lower() == ".toml" and Path(path).is_file() and not reading.is_model(path):
+        # Of a study, beside its structure, that; what is no TOML is said, such as a support that is named twice
+        own = model_file.read(path).own if "model" in toml_file.read(path) else {}
+        path = next(iter(own.values())) if len(own) == 1 else path
     if not Path(path).exists() or not reading.is_model(path):
-        if Path(path).suffix.lower() == ".toml" and Path(path).is_file():
-            toml_file.read(path)  # which says what is no TOML, such as a support that is named twice
         toml_file.require_no_other(Path(path))
         problem = "there is no such file" if not Path(path).exists() else "it is no finite-element model"
         remedy = f"Name one of {', '.join(reading.DATA_ENDINGS)}, or a description (.toml with [fe_model])"
         raise BadInput(source=path, problem=problem, remedy=remedy)
     with output.shown(f"examining {path}", quiet=as_json):
         found = examine.examine(path)
-        reduced, why = ((), "") if found.findings else _reduced(path)
+        reduced, why = ((), "") if found.findings else _reduced(study)
     if why:
         found = replace(found, unexamined=(*found.unexamined, why))
     if as_json:

@@ -408,6 +408,7 @@ def model(
         model(str(own), out, force=force, tests=tests)
         _require_all(article, lost)
         return
+    source = str(out or "model.toml")
     if program is not None:
         text = write_back.written(model_file.read(article), program)
     elif is_deck:
@@ -415,11 +416,14 @@ def model(
     elif tests:
         text = model_file.study_text(article, tests, out or Path("study.toml"))
     else:
-        text = model_file.text(model_file.draft(article, out))
+        drafted = model_file.draft(article, out)
+        text, source = model_file.text(drafted), drafted.source
     if program is None and not is_deck:
-        model_file.of_text(text, str(out or "model.toml"))
+        model_file.of_text(text, source)
     if out is None:
         click.echo(text, nl=False)
+        if (folder := Path(source).parent) != Path():
+            click.echo(f"massline: its files are named as from {folder}, where it belongs.", err=True)
     else:
         if is_deck and out.resolve().parent != Path(article).resolve().parent:
             problem = "a description lies beside the deck, whose nodes and elements it needs"

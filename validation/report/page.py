@@ -136,8 +136,10 @@ class ReportSummary:
         """How well it fits."""
         _, plain, _, held = self.report.comparison.errors
         of = self.report.comparison.evaluation
-        what = "the measured forces" if self.report.campaigns else "what was measured"
-        told = joined(f"With the sensors as calibrated it misses {what} by {percent(of.plain.percent)} ", verdict(plain.verdict))
+        read = {channel.quantity for part in self.report.campaigns for channel in part.campaign.table.channels}
+        what = "the measured forces" if read - {"acceleration"} else "what was measured"
+        much = percent(of.plain.percent) if of.plain.percent else "no more than noise makes, 0 %"
+        told = joined(f"With the sensors as calibrated it misses {what} by {much} ", verdict(plain.verdict))
         if of.held_out is None:
             return joined(told, ".")
         unseen = verdict(plain.verdict if held.verdict == GOOD else held.verdict)
@@ -567,7 +569,7 @@ def place(asked: ReportOptions) -> Path:
         path = Path("out") / f"{file_name(Path(asked.compared.model).stem)}-report.html"
         path.parent.mkdir(exist_ok=True)
         return path
-    require_ending(asked.out, (".html", ".htm"), "a report", "out/report.html")
+    require_ending(asked.out, (".html", ".htm"), "a report, of which --pdf prints a PDF beside it,", "out/report.html")
     require_file(asked.out, "--out")
     return asked.out
 

@@ -532,7 +532,8 @@ def _swept(plan: StructurePlan, lab: TestedStructure, slowest: float) -> tuple[C
     seat, nominal = (built_in(FMD).seat or Pose()).position, mavis(middles_of_cells(shaker), shaker.noise_rms)
     mounting, upon, floor = Pose(position=seat - structure.reference_point), [], shaker.noise_rms["acceleration"] or None
     for at in plan.responses:
-        sits = Place(position=mounting.apply(_where(structure, at.place)), direction=np.asarray(at.direction))
+        where = mounting.apply(_where(structure, at.place)).round(12) + 0.0  # without what rounding leaves of a zero
+        sits = Place(position=where, direction=np.asarray(at.direction))
         upon.append(Channel(name=at.name, quantity="acceleration", group="article", places=(sits,), noise_rms=floor))
     read = [one for one in nominal.table.channels if one.group == "table" or plan.kind == BASE_FORCES]
     layout = replace(nominal, table=ChannelTable(channels=(*upon, *read)))

@@ -832,3 +832,13 @@ def test_weights_are_one_for_each_node_that_is_followed(more: str, tmp_path: Pat
     }
     with pytest.raises(BadInput, match=said.get(more, "a list of positive numbers")):
         model.load(tmp_path / "one.toml")
+
+
+def test_a_mesh_of_groups_alone_is_told_how_it_becomes_a_structure(tmp_path: Path) -> None:
+    (tmp_path / "groups.inp").write_text(
+        "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n*ELEMENT, TYPE=S3, ELSET=sheet\n1, 1, 2, 3\n"
+    )
+    with pytest.raises(
+        BadInput, match=r'or describe it: \[fe_model\] with kind = "mesh", file = "groups.inp" and materials of its'
+    ):
+        deck.described(tmp_path / "groups.inp")

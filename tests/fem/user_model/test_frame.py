@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 
 from fem.gravity import STANDARD
-from fem.modes import lowest
+from fem.modes import fixed_base, lowest
 from fem.structure import hold, place_rows
 from fem.user_model import frame, reading
 from geometry.errors import BadInput
@@ -175,3 +175,15 @@ def test_a_frame_on_a_base_has_the_modes_of_one_on_the_ground_and_its_mass_rides
     assert_allclose(of[1], of[0], rtol=1e-9)
     assert_allclose(base.rigid_mass[:3, :3], np.eye(3) * (2 + 12e-3 * 5e-3 * 7850), rtol=1e-9)
     assert_allclose(base.stiffness @ base.rigid, 0, atol=1e-9 * np.abs(base.stiffness.data).max())
+
+
+@pytest.mark.parametrize("count", [1, 3, 6])
+def test_rigid_motions_alone_of_a_free_frame_that_loses_energy_feed_none_in(count: int) -> None:
+    """Rounding was held against rounding, and a loss factor of -1e-11 was refused."""
+    nodes = {"a": ["0 mm", "0 mm", "0 mm"], "b": ["400 mm", "0 mm", "0 mm"], "c": ["400 mm", "300 mm", "0 mm"]}
+    members = {"long": ["a", "b"], "short": ["b", "c"]}
+    section = {"width": "20 mm", "thickness": "10 mm", "across": "z"}
+    stated = {"kind": "frame", "nodes": nodes, "members": members, "section": section, "material": "steel", "elements": 4}
+    modes = fixed_base(frame.structure(stated | {"loss_factor": 0.01}, "bent"), count)
+    assert_allclose(modes.frequency, 0.0)
+    assert_allclose(modes.damping_ratio, 0.0)

@@ -49,7 +49,7 @@ def refused(path: Path, field: str, *words: str) -> None:
 
 STATED: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "support": (HEAD + 'support = "grund"\n', "fe_model.support", ("'grund'", "ground")),
-    "no reference point": (HEAD + "interface = [101]\n", "fe_model.reference_point", ("missing",)),
+    "no reference point": (HEAD + "interface = [101]\n", "fe_model.reference_point", ("missing", 'support = "ground"')),
     "interface on the ground": (GROUND + "interface = [101]\n", "fe_model.interface", ("base carries", "ground")),
     "supports of a base": (BASE + 'supports = ["left"]\n', "fe_model.supports", ("ties it to the ground", "base")),
     "soil of a free one": (FREE + SOIL + SIX, "fe_model.joints.bolt", ("ties it to the ground", "free")),

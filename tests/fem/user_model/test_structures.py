@@ -220,7 +220,7 @@ def test_a_place_off_its_node_says_so_and_turns_with_it(arrays: Arrays, saved: S
     assert_allclose(moved, rigid_transformation([0.11, 0.0, 0.3]), atol=1e-12)
 
 
-POINT = st.tuples(*3 * [st.floats(-0.2, 0.5)])
+POINT = st.tuples(*3 * [st.floats(-0.1, 0.3)])
 
 
 @settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -242,6 +242,15 @@ def test_a_place_moves_on_from_node_to_node_without_a_step(block: Callable[..., 
     moved = np.array([row @ field for row in place_rows(solid, way)])
     assert_allclose(moved[[0, -1]], u[[13, 17]], atol=1e-12)
     assert_allclose(moved[[1, -2]], u[[13, 17]], atol=0.05 * np.abs(u).max())
+
+
+def test_no_place_lies_far_from_all_nodes(arrays: Arrays, saved: Saved) -> None:
+    """What was looked for 0.9 m beside a structure rode on its nearest node, and was fitted as next to nothing."""
+    found = reading.read(saved(arrays))
+    tip = found.points[-1]
+    place_rows(found, tip + 0.01)
+    with pytest.raises(BadInput, match=r"lies 5 m outside of the structure. The nearest node is at \(.*\) m"):
+        place_rows(found, tip + np.array([3.0, 0.0, 4.0]))
 
 
 def test_a_structure_without_coordinates_has_no_place_by_coordinates(bridge: reading.UsersModel) -> None:

@@ -1,6 +1,7 @@
 """Maps of a laboratory made by hand: what is hidden in it is named by the worst spot, and nothing hidden leaves nothing."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from validation.estimation.fit import FLOOR, fit
 from validation.estimation.likelihood import left_of_run, observed
 from validation.estimation.problem import PLAIN, Problem
 from validation.estimation.verdicts import STANDS_OUT
+from validation.report.compare import ComparisonPage
 
 
 def spots(by_hand, test):
@@ -263,3 +265,19 @@ def test_neighbouring_lines_are_one_spot_however_far_apart(by_hand):
     (found,) = worst([sparse], [[]])
     assert found.row == "fmd-y14"
     assert found.band == (sparse.frequency[30], sparse.frequency[39])
+
+
+@pytest.mark.parametrize(
+    ("worst", "words"), [(2.9, "chance reaches about 3."), (3.5, "chance reaches about 3.3 among 29238 cells.")]
+)
+def test_chance_reaches_farther_among_many_cells_and_the_page_says_so(worst, words):
+    """A sound test of 29,000 cells told 3.5 sigma beside "about 3"."""
+    noise = np.random.default_rng(3).standard_normal((100, 29238, 2)) / np.sqrt(2)
+    assert np.linalg.norm(noise, axis=-1).max(axis=1).mean() == pytest.approx(3.3, abs=0.05)
+    maps = (SimpleNamespace(deviation=np.zeros((2, 4873, 3))),)
+    held = SimpleNamespace(held_out_names=())
+    found = SimpleNamespace(
+        worst=(SimpleNamespace(sigma=worst),), maps=maps, modes=((),), evaluation=held, effects=(), remarks=()
+    )
+    maps[0].frequency = np.array([1.0, 2.0])
+    assert next(ComparisonPage(found=found).notes()).endswith(words)

@@ -32,6 +32,21 @@ def test_what_tolerances_pay_is_told_over_what_is_due_wherever_it_is_drawn(rung,
     assert "3560" in {text for one in falling_errors(at).data for text in one.get("text", ())}  # and not 3.56e+03
 
 
+def test_an_error_of_nothing_but_noise_stands_below_all_others_and_is_called_0(rung, tmp_path, monkeypatch):
+    """It has no place on a logarithmic axis: the fall of what had been added ended at the rung before it, without a word."""
+    first, then = rung(0), rung(1, 0)
+    then = replace(then, errors=replace(then.errors, plain=0.0))
+    at = HistoryPosition(path=tmp_path / "model.toml", text="", ladder=Ladder(rungs=(first, then), current=1), rung=then)
+    seen: list[object] = []
+    monkeypatch.setattr(history, "draw_fall", lambda title, rungs, path, note: seen.extend((*rungs, note)))
+    monkeypatch.setattr(history.static, "draw_intervals", lambda *rest: None)
+    history.draw(at, tmp_path)
+    assert 0 < seen[1].errors["plain"] < min(one.errors[name] for one in seen[:2] for name in ("nominal", "held out"))
+    assert "0: what noise makes" in seen[2]
+    (line,) = (one for one in falling_errors(at).checked().data if one.name == "plain, fitted data" and one.mode != "markers")
+    assert list(line.text) == ["4.10", "0"]
+
+
 HEIGHTS = st.lists(st.floats(-200.0, 200.0), min_size=1, max_size=8)
 
 

@@ -210,7 +210,9 @@ def test_what_is_no_table_does_not_say_how_a_structure_stands(run, tmp_path, sta
     assert 'article = "fmd+beam"' in (tmp_path / "lab.toml").read_text()
 
 
-def test_a_model_file_is_written_anew_into_any_folder_from_which_its_files_are_seen(run, refused, tmp_path, three_floors):
+def test_a_model_file_is_written_anew_into_any_folder_from_which_its_files_are_seen(
+    run, refused, tmp_path, three_floors, monkeypatch
+):
     """Beside it the test was lost, and elsewhere its structure was not found."""
     (tmp_path / "there").mkdir()
     (tmp_path / "there" / "frame.toml").write_text(three_floors(struck=True) + "band = [0.123456789012345, 50.0]\n")
@@ -227,5 +229,33 @@ def test_a_model_file_is_written_anew_into_any_folder_from_which_its_files_are_s
     for source in ("there/frame.toml", "above.toml"):
         said = refused("model", source, "--out", "there/frame.toml", "--force")
         assert "the structure that it describes would not be in it any more" in said
+    monkeypatch.chdir(tmp_path / "elsewhere")  # from where nothing of it is seen
+    code, printed, said = run("model", "../there/frame.toml")
+    assert code == 0
+    assert 'frame" = "frame.toml"' in printed
+    assert 'file = "data.csv"' in printed
+    assert "its files are named as from ../there, where it belongs" in said
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "there" / "frame.toml").write_text(three_floors())
     assert run("model", "there/frame.toml", "--out", "elsewhere/anew.toml")[0] == 0
+
+
+@pytest.mark.parametrize(("support", "article"), [("ground", "beam"), ("base", "fmd+beam")])
+def test_data_stand_as_the_description_beside_them_says(run, tmp_path, support, article):
+    """What stands on the ground was put on the FMD, where the data and not their description was named."""
+    np.savez(tmp_path / "beam.npz", stiffness=np.eye(2), mass=np.eye(2))
+    described = f'format = 1\n[fe_model]\nkind = "matrices"\nunits = "m-kg-N-s"\nsupport = "{support}"\n'
+    (tmp_path / "beam.toml").write_text(described)
+    assert run("model", "beam.npz", "--out", "lab.toml")[0] == 0
+    assert f'article = "{article}"' in (tmp_path / "lab.toml").read_text()
+
+
+def test_a_study_is_examined_as_its_structure_and_how_exact_its_reduction_is(run, tmp_path, three_floors):
+    (tmp_path / "frame.toml").write_text(three_floors())
+    own = 'format = 1\nmodel = { title = "", article = "frame" }\nstructure = { own = { frame = "frame.toml" } }\n'
+    table = '[[test]]\nkind = "modal-table"\nfrequencies = [3.0, 9.0, 13.0]\nsensors = ["floor-1:x"]\nshapes = [[1], [1], [1]]\n'
+    (tmp_path / "study.toml").write_text(own + table)
+    code, printed, said = run("model", "--examine", "study.toml")
+    assert code == 0, said
+    assert "nothing is wrong with it" in printed
+    assert "its tests up to 13 Hz see" in printed

@@ -1,7 +1,7 @@
 """The model file: what is written is read back, what cannot be meant is refused by name, and an edit leaves the rest alone."""
 
 import re
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 from math import radians
 from pathlib import Path
 
@@ -241,11 +241,9 @@ def test_what_cannot_be_meant_is_refused_by_name(text, field, says):
     assert refused.value.field.startswith(field)
 
 
-def test_a_file_that_is_not_there_says_how_to_get_one_and_an_effect_that_is_not_cannot_be_taken_out(tmp_path):
+def test_a_file_that_is_not_there_says_how_to_get_one(tmp_path):
     with pytest.raises(BadInput, match=r"there is no such file\. Write one with `massline model ARTICLE"):
         model_file.read(tmp_path / "none.toml")
-    with pytest.raises(BadInput, match=r"no such effect\. Did you mean force-gain:fmd-z2\?"):
-        model_file.without_effect(BY_HAND, "force-gain:fmd-z3", "lab.toml")
 
 
 def test_an_own_model_is_found_from_the_folder_of_the_file_and_of_no_known_kind_refused(tmp_path):
@@ -269,7 +267,6 @@ def test_a_new_effect_comes_last_and_a_new_value_leaves_comments_and_order_that_
     edited = model_file.with_effect(BY_HAND, added("unit:cover-z3=g"))
     assert edited.startswith(BY_HAND)
     assert [one.named.id for one in model_file.of_text(edited, "m").effects][-1] == "unit:cover-z3"
-    assert model_file.without_effect(edited, "unit:cover-z3") == BY_HAND
     edited = model_file.with_effect(BY_HAND, added("force-gain:fmd-z2=0.0785", _=0.0021))
     before, after = BY_HAND.splitlines(), edited.splitlines()
     assert [line for line in after if line not in before] == ["value = 0.0785          # by fit", "sd = 0.0021"]
@@ -284,26 +281,15 @@ def test_a_new_effect_comes_last_and_a_new_value_leaves_comments_and_order_that_
     assert edited.endswith("# nothing follows\n")
 
 
-def test_without_an_effect_the_others_keep_their_comments_and_the_order_of_edits_does_not_matter():
-    edited = model_file.without_effect(BY_HAND, "force-gain:fmd-z2")
-    assert [one.named.id for one in model_file.of_text(edited, "m").effects] == ["appendage:z"]
-    assert "# a loose cover, perhaps\n[[effect]]             # second" in edited
-    assert "# --- what we found" in edited
-    assert "dropped" not in edited
-    assert [line for line in edited.splitlines() if line not in BY_HAND.splitlines()] == []
-    text = model_file.text(everything())
-    for id in ("appendage:z", "polarity:fmd-z1", "force-gain:fmd-z2", "friction:flange:x"):
-        text = model_file.without_effect(text, id)
-    assert model_file.of_text(text, "m.toml").effects == ()
-    for one in everything().effects:
+def test_effects_one_by_one_are_those_of_the_whole_text():
+    whole, text = everything(), model_file.text(replace(everything(), effects=()))
+    for one in whole.effects:
         text = model_file.with_effect(text, one)
-    assert text == model_file.text(everything())
+    assert text == model_file.text(whole)
 
 
 def test_what_an_edit_could_damage_is_refused():
     text = "effect = [{id = 'polarity:a'}]\n" + SMALLEST
-    with pytest.raises(BadInput, match="Write each as a table of its own"):
-        model_file.without_effect(text, "polarity:a")
     with pytest.raises(BadInput, match="Write each as a table of its own"):
         model_file.with_effect(text, added("polarity:fmd-z1"))
     # The very lines of the effect stand in the title first
@@ -312,7 +298,7 @@ def test_what_an_edit_could_damage_is_refused():
         + '[[effect]]\nid = "polarity:a"\n'
     )
     with pytest.raises(BadInput, match="Write each as a table of its own"):
-        model_file.without_effect(trap, "polarity:a")
+        model_file.with_effect(trap, Added(named=parse("polarity:a", Vocabulary(accelerometers=("a",))), fixed=True))
 
 
 def test_a_place_that_an_article_has_not_is_said_and_no_layout_blamed():
@@ -325,7 +311,6 @@ def test_a_text_of_several_lines_and_tables_between_effects_stay():
     title, between = 'title = """\n[[effect]]\n"""', "[[effect]]\nid = 'polarity:a'\n\n[tolerances]  # ours\ngain = 0.01\n"
     text = SMALLEST.replace("[model]", f"[model]\n{title}") + between + "[[effect]]\nid = 'force-gain:fmd-z1'\nvalue = 0.1\n"
     assert model_file.with_effect(text, added("force-gain:fmd-z1=0.25")) == text.replace("value = 0.1", "value = 0.25")
-    assert model_file.without_effect(text, "polarity:a") == text.replace("[[effect]]\nid = 'polarity:a'\n", "")
 
 
 def test_line_ends_of_another_system_stay_and_a_layout_of_several_lines_is_rewritten_whole():
@@ -335,7 +320,6 @@ def test_line_ends_of_another_system_stay_and_a_layout_of_several_lines_is_rewri
     text = SMALLEST + "[[effect]]\nid = 'appendage:z'  # ours\n[effect.value]\nm = 0.1\nf = 20.0\nzeta = 0.01\n"
     edited = model_file.with_effect(text, added("appendage:z=m:0.2,f:20,zeta:0.01"))
     assert model_file.of_text(edited, "m").effects[0].named.values["m"] == 0.2
-    assert model_file.without_effect(text, "appendage:z") == SMALLEST
 
 
 def test_a_study_of_a_structure_that_has_a_title_keeps_it(tmp_path: Path) -> None:

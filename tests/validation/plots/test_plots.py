@@ -1,6 +1,7 @@
 """Figures show the numbers that went in, in their units, light and dark by the template alone, and take no title for markup."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import log10
 from types import SimpleNamespace
 from typing import Any
@@ -226,6 +227,17 @@ def test_the_ladder_follows_the_way_and_puts_branches_aside():
     aside = next(trace for trace in figure.data if trace.name == "plain, fitted data" and not trace.showlegend)
     assert (list(strong.customdata), list(strong.y)) == ([0, 2], [4.0, 0.5])
     assert (list(aside.customdata), list(aside.x)) == ([1], [1])
+
+
+def test_figures_beside_the_lower_axis_of_a_ladder_do_not_stand_upon_each_other():
+    """In the panel of a workbench of 650 pixels it is 53 pixels high: "20", "10", "5", "2" and "1" were one blot."""
+    at = standing()
+    rungs = tuple(
+        replace(one, errors=replace(one.errors, tolerance_z2=z2, expected_z2=30.0))
+        for one, z2 in zip(at.ladder.rungs, (420.0, 420.0, 9.0), strict=True)
+    )
+    axis = history.falling_errors(replace(at, ladder=replace(at.ladder, rungs=rungs))).checked().layout.yaxis2
+    assert np.diff(np.log10(axis.tickvals)).min() / np.diff(axis.range)[0] > 0.2
 
 
 def test_inertia_is_shown_in_per_cent_and_millimetres_and_lines_that_were_left_out_are_marked():

@@ -6,6 +6,7 @@ import shlex
 import tomllib
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -290,3 +291,24 @@ def test_an_instrument_that_was_due_before_the_test_is_said_so(report, parsed):
     text = html(replace(report, campaigns=(replace(part, campaign=tested),)))
     assert text.count("its calibration had run out") == 1
     assert "B. Tester" in parsed(text).text
+
+
+@pytest.mark.parametrize(
+    ("read", "percents", "words"),
+    [
+        (["acceleration", "force"], 3.0, "misses the measured forces by 3 % "),
+        (
+            ["acceleration"],
+            3.0,
+            "misses what was measured by 3 % ",
+        ),  # a table that shakes, with nothing below: "forces" had been said
+        ([], 0.0, "misses what was measured by no more than noise makes, 0 % "),
+    ],
+)
+def test_what_was_missed_is_what_was_read_and_a_zero_says_what_it_means(read, percents, words):
+    table = SimpleNamespace(channels=[SimpleNamespace(quantity=one) for one in read])
+    plain = SimpleNamespace(percent=percents, verdict="good")
+    found = SimpleNamespace(errors=(None, plain, None, None), evaluation=SimpleNamespace(plain=plain, held_out=None))
+    campaigns = [SimpleNamespace(campaign=SimpleNamespace(table=table))] if read else []
+    said = page.ReportSummary(report=SimpleNamespace(comparison=found, campaigns=campaigns)).errors()
+    assert f"With the sensors as calibrated it {words}" in said

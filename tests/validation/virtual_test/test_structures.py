@@ -219,6 +219,30 @@ def test_without_noise_and_tolerances_a_base_test_is_what_its_own_model_predicts
         assert np.abs(away[:, others]).max(axis=0) == pytest.approx(0, abs=1e-5 * np.abs(values[:, others]).max())
 
 
+def test_pick_ups_on_matrices_without_points_are_said_where_nothing_else_tells_of_the_article(
+    on_base: Path, run: Any, refused: Any
+) -> None:
+    """It was "the 6 inputs cannot be told without any one of the channels at line 1 ... leave that line out"."""
+    assert run(*asked("base", "--out", "test"))[0] == 0
+    made = reading.load(on_base).model
+    K, M = made.stiffness.toarray(), made.mass.toarray()
+    np.savez("bare.npz", stiffness=K, mass=M, rigid=made.rigid, held=np.asarray(made.held))
+    base = 'support = "base"\nreference_point = ["0 mm", "0 mm", "0 mm"]\nfile = "bare.npz"\n'
+    own = f'format = 1\nmodel = {{ title = "", article = "portal" }}\n[fe_model]\nkind = "matrices"\nunits = "m-kg-N-s"\n{base}'
+    Path("bare.toml").write_text(own)
+    said = refused("compare", "bare.toml", "test")
+    assert "nothing is left that tells more than the base: accelerometer a-x in test is not used" in said
+    assert "the structure has no coordinates; bring its dof, nodes and coordinates." in said
+
+
+def test_places_of_a_base_test_are_told_without_what_rounding_leaves_of_them(on_base: Path, run: Any) -> None:
+    """`massline check` showed a pick-up at (-5.5565e-16, 7.3184e-16, 255) mm."""
+    on_base.write_text(on_base.read_text().replace('["150 mm", "0 mm"', '["37 mm", "0 mm"'))
+    assert run(*asked("base", "--axis", "x", "--out", "test"))[0] == 0
+    (at,) = (one["position"] for one in tomllib.loads(Path("test/campaign.toml").read_text())["channel"] if one["name"] == "c-z")
+    assert at == np.round(at, 9).tolist()
+
+
 @pytest.mark.parametrize(("moves", "kind"), [("", "base-forces"), ('moves = ["x", "ry"]\n', "base")])
 def test_a_frame_of_a_few_lines_stands_on_a_base(moves: str, kind: str, run: Any) -> None:
     """Its ends have no mass, so that modes of K and M alone ended in "The leading minor is not positive definite"."""

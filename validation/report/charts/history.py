@@ -36,7 +36,8 @@ class DrawnRung:
     title : what was added
     depth : rungs between it and the first
     here : whether the way from the first rung to the current one leads over it
-    errors : by name, NaN where there is none
+    errors : by name, NaN where there is none; one that is 0 stands below all others, which have a logarithmic axis
+    zeros : names of those that are
     gain : evidence over the parent [nats]; None where it is not known
     """
 
@@ -47,6 +48,11 @@ class DrawnRung:
     here: bool
     errors: Mapping[str, float]
     gain: float | None
+    zeros: frozenset[str] = frozenset()
+
+    def said(self, name: str, digits: int) -> str:
+        """An error in words."""
+        return "0" if name in self.zeros else significant(self.errors[name], digits)
 
 
 PERCENT = {"nominal": ASIDE, "plain": PREDICTED, "held out": "held out"}
@@ -165,7 +171,7 @@ def _of_one(axes: Axes, rungs: Sequence[DrawnRung], name: str, colour: str, show
         if one.here:
             below = name in BELOW or any(0 <= other - height < 2 * LINE for other in others)
             place: dict[str, Any] = {"align": "right", "apart": -LINE} if below else {"align": "left", "apart": LINE}
-            yield _Label(text=significant(value, 3), value=value, height=height, colour=colour, **place)
+            yield _Label(text=one.said(name, 3), value=value, height=height, colour=colour, **place)
             continue
         upon = any(abs(height - way) < LINE / 1.5 for way in on_way)
         if name in NAMED or (name in FITTED and not upon):
@@ -255,6 +261,7 @@ def draw(at: HistoryPosition, folder: Path) -> list[Path]:
     if any(one.errors for one in at.ladder.rungs):
         found.append(folder / f"{name}-ladder.png")
         note = "Strong: the way to the rung on which the model stands. Thin: branches. Above: evidence that a rung gained."
+        note += " 0: what noise makes." if any(one.zeros for one in _rungs(at)) else ""
         draw_fall(f"{at.path.name}: errors from rung to rung", _rungs(at), found[-1], note)
     note = (
         "CoG from the article's own origin; moments and products about the CoG. "
@@ -267,15 +274,23 @@ def draw(at: HistoryPosition, folder: Path) -> list[Path]:
     return found
 
 
+ZERO = 0.4
+"""Share of the least percentage at which one of 0, of nothing but noise, is drawn."""
+
+
 def _rungs(at: HistoryPosition) -> list[DrawnRung]:
-    """What both the picture and the figure show; an error of nothing but noise is 0 and has no place on their axes."""
+    """What both the picture and the figure show."""
     way = {one.number for one in way_to(at)}
+    judged = {one.number: one.errors for one in at.ladder.rungs if one.errors is not None}
+    percents = [size for of in judged.values() for size in (of.nominal, of.plain, of.held_out) if size]
     found = []
     for one in at.ladder.rungs:
-        of = one.errors
+        of = judged.get(one.number)
         told = (None,) * 5 if of is None else (of.nominal, of.plain, of.held_out, of.chi2_per_dof, of.z2_over_due)
-        errors = dict(zip((*PERCENT, *FITTED), (size if size and size > 0 else np.nan for size in told), strict=True))
-        place: dict[str, Any] = {"depth": len(at.ladder.path(one.number)) - 1, "here": one.number in way}
+        sizes = dict(zip((*PERCENT, *FITTED), told, strict=True))
+        zeros = frozenset(name for name in PERCENT if sizes[name] == 0 and percents)
+        errors = {name: ZERO * min(percents) if name in zeros else size or np.nan for name, size in sizes.items()}
+        place: dict[str, Any] = {"depth": len(at.ladder.path(one.number)) - 1, "here": one.number in way, "zeros": zeros}
         found.append(DrawnRung(number=one.number, parent=one.parent, title=one.title, errors=errors, gain=one.gain, **place))
     return found
 
@@ -298,7 +313,8 @@ def falling_errors(at: HistoryPosition, *, dark: bool = False) -> Figure:
         known = [one.errors[name] for one in rungs for name in group if np.isfinite(one.errors[name])] or [1.0]
         low, high = log10(min(known)), log10(max(known))
         room = 0.22 * max(high - low, 0.4)  # for figures above and below
-        figure.up(title={"text": title}, **decades(low - room, high + room), row=row, column=1)
+        wide = (2.6, 1.5)[row - 1]  # the lower one is half as high
+        figure.up(title={"text": title}, **decades(low - room, high + room, wide), row=row, column=1)
     names = [f"{one.number}  {escaped(cut(one.title, LONGEST, '…'))}" for one in way]
     deepest = max((one.depth for one in rungs), default=0)
     figure.across(tickvals=list(range(len(names))), ticktext=names, range=[-0.35, max(deepest, 1) + 0.35])
@@ -329,8 +345,8 @@ def _line(
         "x": [one.depth for one, _ in seen],
         "y": [value for _, value in seen],
         "customdata": [one.number for one, _ in seen],
-        "text": [significant(value, 3) for _, value in seen],
-        "hovertext": [escaped(f"rung {one.number}, {one.title}: {value:.4g}") for one, value in seen],
+        "text": [one.said(error, 3) for one, _ in seen],
+        "hovertext": [escaped(f"rung {one.number}, {one.title}: {one.said(error, 4)}") for one, _ in seen],
         "hovertemplate": f"{name}<br>%{{hovertext}}<extra></extra>",
         "mode": "markers" if aside else "lines+markers+text",
         "textposition": places,

@@ -83,11 +83,12 @@ def legend_above(panel: float = 0.0) -> dict[str, Any]:
     return {"orientation": "h", "x": 0, "y": 1.01 + panel, "yanchor": "bottom", "xanchor": "left"}
 
 
-def decades(low: float, high: float) -> dict[str, Any]:
-    """Range and ticks of a logarithmic axis between two powers of ten: round numbers, written out, however short the axis is."""
+def decades(low: float, high: float, wide: float = 2.6) -> dict[str, Any]:
+    """Range and ticks of a logarithmic axis between two powers of ten: round numbers, written out, however short the axis is, and
+    powers of ten alone from `wide` decades on."""
     a, b = 10.0**low, 10.0**high
     if high - low > 0.7:
-        steps = (1, 2, 5) if high - low < 2.6 else (1,)
+        steps = (1, 2, 5) if high - low < wide else (1,)
         every = [step * 10.0**power for power in range(floor(low) - 1, ceil(high) + 1) for step in steps]
     else:
         rough = (b - a) / 5

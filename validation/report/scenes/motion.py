@@ -508,9 +508,9 @@ def _strip(passing: Passing, frame: Frame) -> scene.Image:
 
 WORDS = {
     MASS: "a mass",
-    "cable:x": "a spring to the ground along x",
-    "cable:y": "a spring to the ground along y",
-    "cable:z": "a spring to the ground along z",
+    "cable:x": "a ground spring along x",
+    "cable:y": "a ground spring along y",
+    "cable:z": "a ground spring along z",
     RESONATOR: "a resonator",
 }
 """What is looked for, in words."""
@@ -519,8 +519,11 @@ EVIDENCE_MEANS = "evidence over that of the best node"
 
 NOTE = "Each node alone, to first order (the table's sizes are finite). Grey: nothing."
 
-THIN, SMALL = 0.004, 0.009
-"""[share] of the structure's size: of the stick that stands for a beam, and of the mark of a node without elements."""
+THIN = 0.004
+"""[share] of the structure's size: of the stick that stands for a beam."""
+
+MARKS = (0.009, 0.025)
+"""[share] of the structure's size: of the mark of a node without elements, where they are many and where they are few."""
 
 LEAST = 1.0
 """[nats] below which there is nothing to be coloured."""
@@ -549,7 +552,7 @@ class Outline:
         """`structure`, of which `nodes` (p, 3) [m] move."""
         elements = structure.elements
         if not isinstance(elements, Elements):
-            vertices, faces = marks(nodes, SMALL * float(np.ptp(nodes, axis=0).max()))
+            vertices, faces = marks(nodes, np.clip(0.25 / np.sqrt(len(nodes)), *MARKS) * float(np.ptp(nodes, axis=0).max()))
             return cls(vertices=vertices, faces=faces, owner=np.repeat(np.arange(len(nodes)), 6))
         from scipy.spatial import cKDTree
 
@@ -612,11 +615,9 @@ def draw_nodes(found: Sequence[NodeScores], path: Path) -> Path | None:
             if evidence[best] < LEAST:
                 continue
             x, y, z = 1e3 * scores.points[best]
-            text = f"{evidence[best]:.1f} nats at ({x:.4g}, {y:.4g}, {z:.4g}) mm"
-            heading = WORDS[kind] if len(found) == 1 else f"{scores.article}: {WORDS[kind]}"
-            tiles.append(
-                DrawnMode(number=len(tiles) + 1, frequency=0.0, text=text, bodies=(body_of(scores, kind),), heading=heading)
-            )
+            whose, bodies = f"{scores.article}: " if len(found) > 1 else "", (body_of(scores, kind),)
+            text = f"{whose}{evidence[best]:.1f} nats at ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+            tiles.append(DrawnMode(number=len(tiles) + 1, frequency=0.0, text=text, bodies=bodies, heading=WORDS[kind]))
     if not tiles:
         return None
     mode_sheet("Everywhere on the mesh", tiles, path, NOTE, swing=0.0, means=EVIDENCE_MEANS)
