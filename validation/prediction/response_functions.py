@@ -480,11 +480,7 @@ def _roved(
     return A, found
 
 
-def of(
-    structure: Nuisances,
-    data: ResponseFunctions,
-    tolerances: Tolerances = points.EXACT,
-) -> tuple[ResponseFunctionTest, ...]:
+def of(structure: Nuisances, data: ResponseFunctions, tolerances: Tolerances = points.EXACT) -> tuple[ResponseFunctionTest, ...]:
     """The prediction of `data` by a model of what was tested, whose points are known within `tolerances`.
 
     Where the scale of the functions is not known, a fit of it begins at the one that brings the levels together; its sign is that
@@ -534,8 +530,7 @@ def of(
     if data.share is None and len(both) > 1:
         # As far as readings of one number differ beside their noise: linear, it answers at i to a force at j as at j to one at i
         alike, own = (one[both][:, :, [at[k] for k in both]] for one in (functions.values, functions.noise))
-        scatter = np.median(own / np.maximum(np.abs(alike), np.finfo(np.float64).tiny))
-        share = np.sqrt(max(noise_of_lines.repeatability(alike) ** 2 - scatter**2, 0.0))
+        share = noise_of_lines.repeatability(alike, own)
         functions = replace(functions, noise=np.hypot(functions.noise, share * np.abs(functions.values)))
     test = ResponseFunctionTest(
         measured=functions,
