@@ -270,16 +270,16 @@ _OF_MEDIAN = 1 / np.sqrt(1.5 * np.log(2))
 
 
 CROSSED = 0.1
-"""[share] of what two forces move along themselves, at the median line, below which a reading is one across them: slants of a few
+"""[share] of what two forces move along themselves, over all lines, below which a reading is one across them: slants of a few
 degrees, and places, make another number of it. Held by tests/validation/prediction/test_response_functions.py."""
 
 
 def repeatability(accelerances: npt.ArrayLike, noise: npt.ArrayLike = 0.0) -> float:
-    """Standard deviation of a reading as a share of it, from `accelerances` (r, n, r), run j driven where channel j reads, beside
-    their `noise` (r, n, r), E|noise|² = sd²; 0 where they do not tell it.
+    """Standard deviation of a reading as a share of it, from `accelerances` (r, n, r) of `noise` (r, n, r), run j driven where
+    channel j reads; 0 where they do not tell it.
 
-    What one reading is times the other at all lines is a gain and no scatter. With |a - b|² of variance s² p + q, p = |a|² + |b|²
-    and q that of noise, the median of |a - b|² / (s² p + q) is ln 2: then s² is the median of (|a - b|² / ln 2 - q) / p.
+    What one reading is times the other at all lines is a gain and no scatter. With p = |a|² + |b|² and q of noise the median of
+    |a - b|² / (s² p + q) is ln 2.
 
     Raises
     ------
@@ -292,10 +292,10 @@ def repeatability(accelerances: npt.ArrayLike, noise: npt.ArrayLike = 0.0) -> fl
     variance, found = np.square(np.broadcast_to(noise, A.shape)), [np.zeros(0)]
     for i, j in combinations(range(r), 2):
         a, b, along = A[i, :, j], A[j, :, i], np.sqrt(np.abs(A[i, :, i] * A[j, :, j]))
-        if np.median(np.minimum(np.abs(a), np.abs(b)) / np.maximum(along, LEAST)) < CROSSED:
+        if np.linalg.norm(np.minimum(np.abs(a), np.abs(b))) < CROSSED * np.linalg.norm(along):
             continue
         gain = float(np.vdot(b, a).real / np.maximum(np.vdot(b, b).real, LEAST))
-        p, q = np.maximum(np.abs(a) ** 2 + np.abs(gain * b) ** 2, LEAST), variance[i, :, j] + gain**2 * variance[j, :, i]
+        p, q = np.abs(a) ** 2 + np.abs(gain * b) ** 2 + LEAST, variance[i, :, j] + gain**2 * variance[j, :, i]
         found.append(((np.abs(a - gain * b) ** 2 / np.log(2) - q) / p)[q < p])
     return float(np.sqrt(max(np.median(every), 0.0))) if len(every := np.concatenate(found)) >= FEWEST_NEIGHBOURS else 0.0
 
