@@ -6,7 +6,8 @@ rigid node, the underside of a solid, the interface of a user's model. All other
 (`grounded`), or one that floats, has no base and holds nothing.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
@@ -28,32 +29,25 @@ class Carrier(Protocol):
     @property
     def parts(self) -> Mapping[str, Any]:
         """Parts that have elements, and what they are made of."""
-        ...
 
     @property
     def shells(self) -> tuple[str, ...]:
         """Parts that are shells."""
-        ...
 
     def rows(self, points: npt.ArrayLike, names: tuple[str, ...] = ()) -> list[Sparse]:
         """What each degree of freedom moves `points` (p, 3) [m] along x, y, z; (3, n) sparse each."""
-        ...
 
-    def riding(self, point: Array) -> Sparse:
-        """(3, n) what each degree of freedom moves `point` (3,) [m], where it rides along with the nearest point of the mesh."""
-        ...
+    def riding(self, point: Array, beside: Array | None = None) -> Sparse:
+        """(3, n) what moves `point` (3,) [m], riding along with the nearest point of the mesh, or of the part at `beside`."""
 
     def slopes(self, point: Array) -> Array:
         """(3, 3, n) how what each degree of freedom moves `point` (3,) [m] along x, y, z changes by a metre along x, y, z."""
-        ...
 
     def numbered(self, number: int) -> Sparse | None:
         """What each degree of freedom moves the node of that number in its file, (3, n); None where it has no such node."""
-        ...
 
     def unresolved(self, shapes: Array, squares: Array, parts: tuple[str, ...] = ()) -> dict[str, Array]:
         """By part, all or `parts`, (k, k) how much too stiff it is to `shapes` (n, k), modes of omega² `squares` (k,) or of 0."""
-        ...
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -215,6 +209,44 @@ def position_of(structure: Structure, place: str) -> Array | None:
         return None
     turns = carried[:, 3:]  # -[a], a the arm from the reference point
     return np.asarray(structure.reference_point + np.array([turns[1, 2], turns[2, 0], turns[0, 1]]))
+
+
+BESIDE = 0.01
+"""[m] to either side of a place within which powers follow how its motion changes: as far as a pick-up is plausibly beside it."""
+
+NEARBY = 1e-4
+"""Share of the size of a structure by which a place is shifted to see how its motion changes. By definition."""
+
+
+def gradients(structure: Structure, places: Sequence[str], moved: Array) -> dict[str, Array]:
+    """By place (3, o, 3, k) how what `moved` (n, k) moves it changes by metres along x, y, z, and on elements squares and cubes.
+
+    A place is found by how it turns with the whole structure. None of those about which nothing turns and no element is known.
+    """
+    size = (float(np.ptp(structure.points, axis=0).max()) if len(structure.points) else 0.0) or 1.0
+    found = {}
+    for name in places:
+        if (at := position_of(structure, name)) is None or (structure.elements is None and not len(structure.points)):
+            continue
+        if structure.elements is not None:
+            with suppress(BadInput):  # outside the mesh
+                slopes, steps = structure.elements.slopes(at) @ moved, BESIDE * np.vstack([np.zeros(3), np.eye(3), -np.eye(3)])
+                here, *ends = (structure.elements.riding(at + by, at) @ moved for by in steps)
+                ahead, behind = ends[:3] - here - BESIDE * slopes, ends[3:] - here + BESIDE * slopes
+                found[name] = np.stack([slopes, (ahead + behind) / (2 * BESIDE**2), (ahead - behind) / (2 * BESIDE**3)], axis=1)
+            continue
+        shifts = NEARBY * size * np.vstack([np.eye(3), -np.eye(3)])
+        rows = [row @ moved for row in place_rows(structure, at + shifts)]
+        found[name] = np.array([[(rows[k] - rows[k + 3]) / (2 * NEARBY * size)] for k in range(3)])
+    return found
+
+
+def shifted(ways: Array, by: float) -> tuple[Array, Array]:
+    """By how much what moves a place changes `by` [m] beside it, and by a metre more, of its `ways` (o, ...) along that axis:
+    powers within `BESIDE`, beyond as straight as they end."""
+    within, orders = float(np.clip(by, -BESIDE, BESIDE)), np.arange(1, len(ways) + 1)
+    slope = np.tensordot(orders * within ** (orders - 1.0), ways, axes=1)
+    return np.tensordot(within**orders, ways, axes=1) + (by - within) * slope, slope
 
 
 def nearest_node(structure: Structure, point: Array) -> tuple[int, float, float]:

@@ -334,9 +334,7 @@ def _of_properties(properties: Any, density: float) -> Inertia:
     centre, matrix = properties.CentreOfMass(), properties.MatrixOfInertia()
     tensor = np.array([[matrix.Value(i, j) for j in (1, 2, 3)] for i in (1, 2, 3)])
     return Inertia.from_cog(
-        density * properties.Mass() * MM**3,
-        np.array([centre.X(), centre.Y(), centre.Z()]) * MM,
-        density * tensor * MM**5,
+        density * properties.Mass() * MM**3, np.array([centre.X(), centre.Y(), centre.Z()]) * MM, density * tensor * MM**5
     )
 
 

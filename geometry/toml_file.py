@@ -115,9 +115,7 @@ def parse(text: str, name: str) -> dict[str, Any]:
         table: Any = json.loads(text, parse_constant=_refused_constant) if form == "JSON" else tomllib.loads(text)
     except ValueError as error:  # also what Python says of a whole number of thousands of digits
         raise BadInput(
-            source=name,
-            problem=f"it is not {form}: {error}",
-            remedy="Correct the place that it names; .json is read as JSON",
+            source=name, problem=f"it is not {form}: {error}", remedy="Correct the place that it names; .json is read as JSON"
         ) from None
     except RecursionError:
         raise _too_deep(name) from None

@@ -381,9 +381,7 @@ def from_spectra(
     require_known(robust)
     T = tilt(lines, gravity)
     data = _Data(
-        motion=np.einsum("njk,rnk->rnj", T, U),
-        load=F,
-        elastic=model.dynamic_mass(np.zeros((6, 6)), elastic or RIGID, lines),
+        motion=np.einsum("njk,rnk->rnj", T, U), load=F, elastic=model.dynamic_mass(np.zeros((6, 6)), elastic or RIGID, lines)
     )
     if noise is None:
         solution = solve(_plain(data), robust)

@@ -385,9 +385,7 @@ class Study:
     def over(self, reduced_anew: Callable[[ReducedStructure], ReducedStructure]) -> Self:
         """The same with structures over other coordinates, as `reduced_anew` makes those of each."""
         return replace(
-            self,
-            made=structure_tests.over(self.made, reduced_anew),
-            tests=structure_tests.over(self.tests, reduced_anew),
+            self, made=structure_tests.over(self.made, reduced_anew), tests=structure_tests.over(self.tests, reduced_anew)
         )
 
     def by(self, model: Model) -> Self:

@@ -234,12 +234,7 @@ def shape_functions(xi: Array, phi: float, L: float) -> tuple[Array, Array]:
         -2 * xi**3 + 3 * xi**2 + phi * xi,
         L * (xi**3 - (1 - phi / 2) * xi**2 - phi / 2 * xi),
     ]
-    theta = [
-        6 / L * (xi**2 - xi),
-        3 * xi**2 - (4 + phi) * xi + e,
-        -6 / L * (xi**2 - xi),
-        3 * xi**2 - (2 - phi) * xi,
-    ]
+    theta = [6 / L * (xi**2 - xi), 3 * xi**2 - (4 + phi) * xi + e, -6 / L * (xi**2 - xi), 3 * xi**2 - (2 - phi) * xi]
     return np.array(v) / e, np.array(theta) / e
 
 

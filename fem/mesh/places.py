@@ -206,13 +206,13 @@ class Elements:
         named = names or tuple(f"({', '.join(f'{1e3 * value:.4g}' for value in point)}) mm" for point in found)
         return [self.motion(point, name)[:3] for point, name in zip(found, named, strict=True)]
 
-    def riding(self, point: Array) -> Sparse:
-        """(3, n) what each degree of freedom moves `point` (3,) [m], where it rides along with the nearest point of the mesh."""
-        from scipy.sparse import csr_array
-
-        foot = self.nearest(point)
-        lever = np.einsum("a,ain->in", point - foot.point, self.slopes(foot.point))
-        return csr_array(self._sparse(foot.moved, foot.dofs) + csr_array(lever))
+    def riding(self, point: Array, beside: Array | None = None) -> Sparse:
+        """(3, n) what moves `point` (3,) [m], riding along with the nearest point of the mesh, or of the part at `beside`."""
+        foot = self.nearest(point, None if beside is None else self.nearest(beside).part)
+        rows, arm = self._sparse(foot.moved, foot.dofs), point - foot.point
+        if np.linalg.norm(arm) <= WITHIN**2 * foot.size:
+            return rows
+        return rows + type(rows)(np.einsum("a,ain->in", arm, self.slopes(foot.point)))
 
     def slopes(self, point: Array) -> Array:
         """How what each degree of freedom moves `point` (3,) [m] along x, y, z changes by a metre along x, y, z; (3, 3, n).

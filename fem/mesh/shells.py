@@ -387,11 +387,7 @@ def _stretches(flat: Array) -> tuple[Array, Array, list[Array]]:
     return area, np.swapaxes(L, 1, 2) / (2 * area[:, None, None]), [from_natural @ one @ T for one in Q]
 
 
-_ROWS = (
-    ((1, 2, 3), (4, 5, 6), (7, 8, 9)),
-    ((9, 7, 8), (3, 1, 2), (6, 4, 5)),
-    ((5, 6, 4), (8, 9, 7), (2, 3, 1)),
-)
+_ROWS = (((1, 2, 3), (4, 5, 6), (7, 8, 9)), ((9, 7, 8), (3, 1, 2), (6, 4, 5)), ((5, 6, 4), (8, 9, 7), (2, 3, 1)))
 """Which beta stands where in the strains at the three corners."""
 
 

@@ -368,8 +368,7 @@ def require_upright(mesh: SolidMesh) -> None:
     worst = bad[np.argsort(least[bad], kind="stable")][:3]
     places = "; ".join(f"{mesh.parts[mesh.part[cell]]} at {_place(mesh.points[mesh.cells[cell]].mean(axis=0))}" for cell in worst)
     raise CheckFailed(
-        f"{len(bad)} of {len(mesh.cells)} elements are inverted, the worst in {places}. Give a smaller element size",
-        elements=bad,
+        f"{len(bad)} of {len(mesh.cells)} elements are inverted, the worst in {places}. Give a smaller element size", elements=bad
     )
 
 

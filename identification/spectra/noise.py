@@ -14,6 +14,7 @@ amplitude at 32 Hz - below the noise of 100 s unless the tone is some hundred ti
 
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import combinations
 from math import comb
 
 import numpy as np
@@ -268,10 +269,17 @@ LEAST = float(np.finfo(np.float64).tiny)
 _OF_MEDIAN = 1 / np.sqrt(1.5 * np.log(2))
 
 
-def repeatability(accelerances: npt.ArrayLike) -> float:
-    """Standard deviation of a reading as a share of it, from `accelerances` (r, n, r), run j driven where channel j reads.
+CROSSED = 0.1
+"""[share] of what two forces move along themselves, over all lines, below which a reading is one across them: slants of a few
+degrees, and places, make another number of it. Held by tests/validation/prediction/test_response_functions.py."""
 
-    What one reading is times the other at all lines is a gain and no scatter.
+
+def repeatability(accelerances: npt.ArrayLike, noise: npt.ArrayLike = 0.0) -> float:
+    """Standard deviation of a reading as a share of it, from `accelerances` (r, n, r) of `noise` (r, n, r), run j driven where
+    channel j reads; 0 where they do not tell it.
+
+    What one reading is times the other at all lines is a gain and no scatter. With p = |a|² + |b|² and q of noise the median of
+    |a - b|² / (s² p + q) is ln 2.
 
     Raises
     ------
@@ -281,10 +289,15 @@ def repeatability(accelerances: npt.ArrayLike) -> float:
     r = len(A)
     if A.ndim != 3 or A.shape[2] != r or r < 2:
         raise ValueError(f"`accelerances` must be (r, n, r) with two runs or more, found {A.shape}")
-    pairs = [(A[j, :, i], A[i, :, j]) for i in range(r) for j in range(i)]
-    pairs = [(one, other * np.vdot(other, one).real / max(np.vdot(other, other).real, LEAST)) for one, other in pairs]
-    apart = [np.abs(one - other) / np.maximum(np.hypot(np.abs(one), np.abs(other)), LEAST) for one, other in pairs]
-    return float(np.median(np.concatenate(apart)) / np.sqrt(np.log(2)))
+    variance, found = np.square(np.broadcast_to(noise, A.shape)), [np.zeros(0)]
+    for i, j in combinations(range(r), 2):
+        a, b, along = A[i, :, j], A[j, :, i], np.sqrt(np.abs(A[i, :, i] * A[j, :, j]))
+        if np.linalg.norm(np.minimum(np.abs(a), np.abs(b))) < CROSSED * np.linalg.norm(along):
+            continue
+        gain = float(np.vdot(b, a).real / np.maximum(np.vdot(b, b).real, LEAST))
+        p, q = np.abs(a) ** 2 + np.abs(gain * b) ** 2 + LEAST, variance[i, :, j] + gain**2 * variance[j, :, i]
+        found.append(((np.abs(a - gain * b) ** 2 / np.log(2) - q) / p)[q < p])
+    return float(np.sqrt(max(np.median(every), 0.0))) if len(every := np.concatenate(found)) >= FEWEST_NEIGHBOURS else 0.0
 
 
 def between_neighbours(frequency: npt.ArrayLike, values: npt.ArrayLike, around: float = NEIGHBOURHOOD) -> Array:

@@ -1,6 +1,7 @@
 """Candidates and their fits: with one effect more, from where tolerances stand or from their priors, and how good a fit is."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import inf, log, sqrt
 
@@ -11,7 +12,7 @@ from validation.diagnose.candidates import band, has_lines, is_resonator, sizes
 from validation.diagnose.diagnosis import SIGNIFICANT, Candidate
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import OPENED, PERIOD_STAGE, evidence_threshold
-from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, SINGLE_PLACES, STRIDE, child, nearby, start
+from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, SINGLE_PLACES, STRIDE, child, direct, nearby, start
 from validation.estimation.likelihood import cost_of, freedom, observed
 from validation.estimation.problem import EFFECT, FITTED, Fit, Problem
 from validation.estimation.verdicts import due_misfit, expected_z2, largest_z, misfit
@@ -114,13 +115,19 @@ def goodness_of_fit(fit: Fit, problem: Problem) -> GoodnessOfFit:
 
 
 def is_significant(of: Candidate) -> bool:
-    """Whether a fitted size of the newest effect differs from that of no effect."""
+    """Whether a fitted size of the newest effect differs from that of no effect: by its deviation or, since a reading that turns
+    over is flat where it ends, by what no effect would cost."""
     added, fit = of.effects[-1], of.fit
     sizes = () if added.fixed or is_resonator(added.named) else added.named.fitted_sizes
-    spread = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))
-    known = {one.name: (x, sd) for one, x, sd in zip(fit.parameters, fit.offsets, spread, strict=True)}
-    found = [known[which] for size in sizes if (which := name(added.named, size.key)) in known]
-    return not found or any(abs(x) > SIGNIFICANT * sd > 0 for x, sd in found)
+    deviation = dict(zip(fit.by_name, np.sqrt(np.maximum(np.diag(fit.covariance), 0.0)), strict=True))
+    known = [(which, size.null) for size in sizes if (which := name(added.named, size.key)) in deviation]
+    none = {which: of.problem.by_name[which].offset(null) for which, null in known}
+    if not none or any(abs(fit.by_name[which] - x) > SIGNIFICANT * deviation[which] > 0 for which, x in none.items()):
+        return True
+    cost = cost_of(of.problem, fit.parameters, FLOOR, fit.by_name).holding(none)
+    with suppress(CheckFailed):
+        return direct(cost, cost.base, lambda share: None).whole.cost - fit.cost > 0.5 * SIGNIFICANT**2
+    return False
 
 
 def fit_with(data: Study, at: Candidate, added: Added, *, begin: Fit | None = None, worth: float = inf) -> Candidate:

@@ -69,7 +69,7 @@ class Cause:
     misfit : chi² per degree of freedom with it
     price : sum of z² of the tolerances with it, over what is due where nothing is wrong
     null : whether misfit and price are then those of a model that misses nothing
-    note : what these data say of it beyond its size, in words: "its numbers are in g, and the file says m/s^2"
+    note : what these data say of it beyond its size, in words: "its numbers are in g, and were taken for m/s^2"
     same : ids of other effects, places or mistakes that explain these data to the last digit alike
     """
 

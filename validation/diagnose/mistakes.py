@@ -124,7 +124,7 @@ class LowFrequencyReadings:
             moves, across = slice(driven, driven + 1), [k for k in range(len(MOTIONS)) if k != driven]
             size = measured.noise[:, lines][:, :, ~read].max(axis=2, keepdims=True)
             unsure = size * np.linalg.norm(rows[:, :, read][..., across], axis=-1)
-        y, noise = measured.values[:, lines][:, :, read], np.hypot(measured.noise[:, lines][:, :, read], unsure)
+        y, noise = measured.values[:, lines][:, :, read], measured.noise[:, lines][:, :, read]
         p = consensus(rows[:, :, read, moves], y, ~measured.judged[read])
         quantity = {channel.name: channel.quantity for channel in one.tested.campaign.table.channels}
         channels = tuple(name for name, kept in zip(measured.channels, read, strict=True) if kept)
@@ -280,11 +280,11 @@ class ChannelSource:
 
         What is lost in twice its noise is near to all that is, too; but of a unit a reading must be seen.
         """
-        lost = 2.0 if abs(self.factor) == 1 else 0.0
-        units = [np.hypot(of.level[:, self.plug], lost * of.noise[:, self.channel]) for of in every]
-        y = np.concatenate([of.reading[:, self.channel] / unit for of, unit in zip(every, units, strict=True)]) / self.factor
-        p = np.concatenate([of.expected[:, self.plug] / unit for of, unit in zip(every, units, strict=True)])
-        whole = max(float(np.linalg.norm(y) + np.linalg.norm(p)), np.sqrt(len(p)))
+        size, c, d = abs(self.factor), self.channel, self.plug
+        units = [np.hypot(of.level[:, d], 2 * np.hypot(of.noise[:, c] / size, of.unsure[:, d])) for of in every]
+        y = np.concatenate([of.reading[:, c] / unit for of, unit in zip(every, units, strict=True)]) / self.factor
+        p = np.concatenate([of.expected[:, d] / unit for of, unit in zip(every, units, strict=True)])
+        whole = max(float(np.linalg.norm(y) + np.linalg.norm(p)), np.sqrt(len(p)) if size == 1 else TINY)
         return float(np.linalg.norm(y - p) / whole)
 
 
@@ -367,7 +367,7 @@ def _sources(every: Sequence[LowFrequencyReadings], known: Sequence[_KnownFactor
         if of.quantities[c] != of.quantities[d]:
             continue
         # The factor between reading c and what channel d should read, if that is more than it may be off by; of known ones which
-        products = [(one.reading[:, c], one.expected[:, d], one.level[:, d]) for one in every]
+        products = [(one.reading[:, c], one.expected[:, d], np.hypot(one.level[:, d], one.noise[:, c])) for one in every]
         above = sum(float(np.sum((y * p.conj()).real / level**2)) for y, p, level in products)
         below = sum(float(np.sum(np.abs(p) ** 2 / level**2)) for _, p, level in products)
         seen = any(
@@ -423,7 +423,8 @@ def _likelihood(every: Sequence[LowFrequencyReadings], c: int, d: int, factor: f
     """[nats] That channel c holds `factor` times what channel d should read."""
     found = 0.0
     for one in every:
-        variance = np.maximum(one.noise[:, c] ** 2 + (factor * OFF * one.level[:, d]) ** 2, LEAST_VARIANCE)
+        due = factor * np.hypot(one.unsure[:, d], OFF * one.level[:, d])
+        variance = np.maximum(one.noise[:, c] ** 2 + due**2, LEAST_VARIANCE)
         off = np.abs(one.reading[:, c] - factor * one.expected[:, d]) ** 2
         found -= float(np.sum(off / variance + np.log(variance))) / one.lines
     return found
@@ -626,18 +627,19 @@ def _warped(f: Array, y: ComplexArray, wide: Array, p: ComplexArray) -> Callable
     return lambda at: np.asarray(np.exp(np.interp(np.log(at), places, moved)))
 
 
-def _units_of(sizes: Mapping[str, float]) -> _KnownFactors:
-    """Factors of numbers that are in another unit than the SI one."""
-    pairs = [(unit, 1 / size) for unit, size in sizes.items() if size != 1]
+def _units_of(sizes: Mapping[str, float], *, either: bool = False) -> _KnownFactors:
+    """Factors of numbers that are in another unit than the SI one, or of `either`: in the SI one and taken for another."""
     si = next(unit for unit, size in sizes.items() if size == 1)
-    return _KnownFactors(values=np.array([factor for _, factor in pairs]), units=tuple((si, unit) for unit, _ in pairs))
+    pairs = [(1 / size, (si, unit)) for unit, size in sizes.items() if size != 1]
+    pairs += [(1 / factor, (unit, si)) for factor, (_, unit) in pairs if either]
+    return _KnownFactors(values=np.array([factor for factor, _ in pairs]), units=tuple(units for _, units in pairs))
 
 
 def _unit_cause(channel: str, value: float, units: tuple[str, str], nats: float) -> Cause:
     said, true = units
     half = 0.0 if said else NORMAL_90 * OFF * value
     size = EffectEstimate(key="", value=value, unit="1", low=value - half, high=value + half)
-    note = f"its numbers are in {true}, and the file says {said}" if said else ""
+    note = f"its numbers are in {true}, and were taken for {said}" if said else ""
     return _cause("unit", (channel,), nats, {"": value}, (size,), note)
 
 
@@ -665,7 +667,7 @@ def _of_channels(
     scaled = y / factors[:, None]
     # By how much a sound model is off may be far less than is allowed for; most channels say it
     scatter = SCATTERED * float(np.median(np.abs(scaled - p)))
-    quiet = np.minimum(noise / np.abs(factors)[:, None], min(scatter, OFF))  # a unit makes all others faint
+    most = min(scatter, OFF) if isinstance(one, TableShapes) else np.inf  # a unit makes all others of a shape faint
     readings = LowFrequencyReadings(
         name=one.measured.name,
         channels=names,
@@ -673,10 +675,10 @@ def _of_channels(
         lines=max(1, len(scaled) // INDEPENDENT),
         reading=scaled,
         expected=p,
-        noise=np.hypot(quiet, unsure),
+        noise=np.minimum(noise / np.abs(factors)[:, None], most),
         unsure=unsure,
     )
-    known = (_units_of(units["acceleration"]),) * c
+    known = (_units_of(units["acceleration"], either=True),) * c
     taken = _sources([readings], known)
     causes = [_cause("polarity", (names[each.plug],), each.gain) for each in taken if each.factor < 0]
     at = list(range(c))
@@ -716,7 +718,6 @@ def _of_channels(
                 other = one.with_effects((*one.effects, Added(named=named, fixed=True)))
                 rows, beside = (all_of[kept] / size[kept] for all_of in expected(other))
                 trial = replace(readings, expected=np.where(rest, p, rows), unsure=np.where(rest, unsure, beside))
-                trial = replace(trial, noise=np.hypot(quiet, trial.unsure))
                 is_stated = np.allclose(trial.expected, p)
                 which = ("polarity", "") if is_stated else (family, word)
                 for sign in (1.0, -1.0):

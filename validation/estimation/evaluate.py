@@ -49,12 +49,7 @@ class Squares:
 
 
 def squares(
-    prediction: Prediction,
-    offsets: Offsets,
-    lines: Lines | None = None,
-    *,
-    fold: str = "",
-    predicted: Predicted | None = None,
+    prediction: Prediction, offsets: Offsets, lines: Lines | None = None, *, fold: str = "", predicted: Predicted | None = None
 ) -> list[Squares]:
     """Of every run of `prediction` at `offsets` and `lines` (indices), all by default; none where no channel is judged.
 

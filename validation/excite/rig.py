@@ -99,10 +99,7 @@ def mounted(article: str, model: str, asked: FlexibleOptions, attached: Attached
         _, cover = _fmd(asked)
         half = cover.scaled(0.5)
         bare = Rig(
-            article=rig.rigid(FMD, half, {}),
-            cover=half,
-            cells=_cells(asked, attached, cover.mass),
-            frictions=attached.frictions,
+            article=rig.rigid(FMD, half, {}), cover=half, cells=_cells(asked, attached, cover.mass), frictions=attached.frictions
         )
         return ArticleOnTable(article=article, rig=bare, model=None)
     above = _above(article)

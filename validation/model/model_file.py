@@ -356,8 +356,7 @@ def of_table(table: dict[str, Any], source: str) -> Model:
         damping_ratio=as_number(structure, "damping_ratio", low=0.0, high=0.99) if "damping_ratio" in structure.table else None,
         own=own,
         structure=replace(
-            known.structure,
-            **{key: as_number(spread, key, low=0.0, high=LARGEST_SHARE) for key in names if key in spread.table},
+            known.structure, **{key: as_number(spread, key, low=0.0, high=LARGEST_SHARE) for key in names if key in spread.table}
         ),
         tests=tuple(one.table for one in whole.each("test")) if "test" in whole.table else (),
         effects=effects_of(whole, anywhere=bool(own)),

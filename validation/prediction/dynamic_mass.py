@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from fem.structure import shifted
 from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.frames import Array, Integers, Pose, frozen, left_jacobian, rigid_transformation_6, rotation_by, skew
 from geometry.inertia import PARAMETERS, UNITS, Inertia
@@ -704,12 +705,12 @@ class SupportedDynamicMass:
         for k, (name, place) in enumerate((one, self.standing.sensors[one]) for one in sensors):
             rows = R @ of.places[place] * its_own
             for axis, way in zip("xyz", R if place in of.gradients else (), strict=False):
-                which, slope = (
-                    f"accelerometer-position:{name}:{axis}",
-                    R @ np.tensordot(way, of.gradients[place], axes=1) * its_own,
-                )
-                rows = rows + offsets.get(which, 0.0) * slope
-                beside[which] = k, slope
+                which = f"accelerometer-position:{name}:{axis}"
+                told = [
+                    shifted(ways, share * offsets.get(which, 0.0)) for ways, share in zip(of.gradients[place], way, strict=True)
+                ]
+                rows = rows + R @ sum(moved for moved, _ in told) * its_own
+                beside[which] = k, R @ sum(share * slope for (_, slope), share in zip(told, way, strict=True)) * its_own
             bent.append(rows)
         return np.vstack(bent), beside
 

@@ -2,9 +2,9 @@
 
 A point at p along d has the row dᵀ u(p). Turned about an axis e, beside its place along e, or at another point, it has
 
-    dᵀ u + v (e x d)ᵀ u ,        dᵀ u + v dᵀ ∂u/∂e ,        (1 - v) dᵀ u + v d'ᵀ u' ,
+    dᵀ u + v (e x d)ᵀ u ,        dᵀ u(p + v e) ,        (1 - v) dᵀ u + v d'ᵀ u' ,
 
-each linear in v, so that every derivative is a row itself. How far it may be turned or lie beside its place is a tolerance of
+whose derivative is a row itself. How far it may be turned or lie beside its place is a tolerance of
 the test, as of any pick-up; the others are parameters that effects open: `possible` says which.
 """
 
@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from fem.structure import shifted
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import AXES, Point, Tolerances
@@ -114,6 +115,7 @@ def rows(
 ) -> PointRows:
     """Of `points` at `offsets`, and by the parameters `names`; one that points at nothing of these is left out."""
     own = stated(matrices, points)
+    values = np.array(own)
     at = {one.name: k for k, one in enumerate(points)}
     instead = {one.name: one for one in others}
     changes = {}
@@ -122,14 +124,16 @@ def rows(
         if not targets or targets[0] not in at:
             continue
         k = at[targets[0]]
-        point, word = points[k], targets[-1]
+        point, word, by = points[k], targets[-1], offsets.get(name, 0.0)
         d = np.asarray(point.direction)
         if family.endswith("-misalignment"):
             change = along(matrices, point.place, np.cross(AXES[word], d))
         elif family.endswith("-position"):
             if point.place not in matrices.gradients:
                 continue
-            change = d @ matrices.gradients[point.place]["xyz".index(word)]
+            ways = d @ matrices.gradients[point.place]["xyz".index(word)]
+            moved, change = shifted(ways, by)
+            values[k] += moved - by * change
         elif family == "wrong-direction":
             change = along(matrices, point.place, np.asarray(AXES[word]) - d)
         elif family == "wrong-place":
@@ -141,7 +145,5 @@ def rows(
                 continue
             change = along(matrices, instead[word].place, instead[word].direction) - own[k]
         changes[name] = (k, change)
-    values = np.array(own)
-    for name, (k, change) in changes.items():
-        values[k] += offsets.get(name, 0.0) * change
+        values[k] += by * change
     return PointRows(values=values, changes=changes)

@@ -480,11 +480,7 @@ def _roved(
     return A, found
 
 
-def of(
-    structure: Nuisances,
-    data: ResponseFunctions,
-    tolerances: Tolerances = points.EXACT,
-) -> tuple[ResponseFunctionTest, ...]:
+def of(structure: Nuisances, data: ResponseFunctions, tolerances: Tolerances = points.EXACT) -> tuple[ResponseFunctionTest, ...]:
     """The prediction of `data` by a model of what was tested, whose points are known within `tolerances`.
 
     Where the scale of the functions is not known, a fit of it begins at the one that brings the levels together; its sign is that
@@ -526,10 +522,10 @@ def of(
     at = [next((c for c, point in enumerate(data.responses) if _same(drive, point)), -1) for drive in data.drives]
     both = [k for k, c in enumerate(at) if c >= 0]
     if data.share is None and len(both) > 1:
-        # As far as readings of one number differ beside their noise: linear, it answers at i to a force at j as at j to one at i
+        # As far as readings of one number differ beside their noise, which without coherence holds in the middle alone
         alike, own = (one[both][:, :, [at[k] for k in both]] for one in (functions.values, functions.noise))
-        scatter = np.median(own / np.maximum(np.abs(alike), np.finfo(np.float64).tiny))
-        share = np.sqrt(max(noise_of_lines.repeatability(alike) ** 2 - scatter**2, 0.0))
+        middle = np.median(own / np.maximum(np.abs(alike), np.finfo(np.float64).tiny)) * np.abs(alike)
+        share = noise_of_lines.repeatability(alike, middle if noise is None else own)
         functions = replace(functions, noise=np.hypot(functions.noise, share * np.abs(functions.values)))
     test = ResponseFunctionTest(
         measured=functions,

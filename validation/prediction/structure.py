@@ -1,7 +1,6 @@
 """`ReducedStructure`: a structure with its mesh on few coordinates, whether it stands, floats or is driven by its base."""
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
@@ -15,7 +14,7 @@ from fem import damping as fem_damping
 from fem.damping import Damping, default_damping, symmetric
 from fem.factorisers import Factor, factorise
 from fem.modes import Modes, floating_shift, lowest, static_shapes
-from fem.structure import LOOSE, Carrier, HeldBase, Sparse, Structure, hold, place_rows, position_of, restricted
+from fem.structure import LOOSE, Carrier, HeldBase, Sparse, Structure, gradients, hold, place_rows, position_of, restricted
 from geometry.article import Article
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, Integers, rigid_transformation, rigid_transformation_6
@@ -730,7 +729,7 @@ def _on_basis(
     used = damping or default_damping(structure)
     made = _on_shapes(structure, free, basis, rows, frequency, used, known=known)
     moved = _motions(structure, free, basis) if driven else free.expand(basis)
-    slopes = {name: one @ moved for name, one in gradients(structure, tuple(structure.places)).items()}
+    slopes = gradients(structure, tuple(structure.places), moved)
     if driven:
         made = replace(_driven(structure, made, moved, cog=cog), gradients=slopes)
     else:
@@ -742,34 +741,12 @@ def _on_basis(
     )
 
 
-NEARBY = 1e-4
-"""Share of the size of a structure by which a place is shifted to see how its motion changes. By definition."""
-
-
-def gradients(structure: Structure, places: Sequence[str]) -> dict[str, Array]:
-    """By place (3, 3, n) how what each degree of freedom moves it changes by a metre along x, y, z.
-
-    A place is found by how it turns with the whole structure. None of those about which nothing turns and no element is known.
-    """
-    if structure.elements is None and not len(structure.points):
-        return {}
-    size = (float(np.ptp(structure.points, axis=0).max()) if len(structure.points) else 0.0) or 1.0
-    found = {}
-    for name in places:
-        if (at := position_of(structure, name)) is None:
-            continue
-        if structure.elements is not None:
-            with suppress(BadInput):  # outside the mesh
-                found[name] = structure.elements.slopes(at)
-            continue
-        shifts = NEARBY * size * np.vstack([np.eye(3), -np.eye(3)])
-        rows = [row.toarray() for row in place_rows(structure, at + shifts)]
-        found[name] = np.array([(rows[k] - rows[k + 3]) / (2 * NEARBY * size) for k in range(3)])
-    return found
+SAME = 1e-5
+"""Share of the size of a structure about a place that has a name within which coordinates are that place. By definition."""
 
 
 def with_positions(structure: Structure, positions: Sequence[str]) -> Structure:
-    """`structure` with places at `positions`, which are written as coordinates.
+    """`structure` with places at `positions`, which are written as coordinates; where one has a name it is that place.
 
     Raises
     ------
@@ -778,8 +755,12 @@ def with_positions(structure: Structure, positions: Sequence[str]) -> Structure:
     new = {name: at for name in positions if name not in structure.places and (at := position(name)) is not None}
     if not new:
         return structure
-    rows = place_rows(structure, np.array(list(new.values())))
-    return replace(structure, places={**structure.places, **dict(zip(new, rows, strict=True))})
+    known = [(name, here) for name in structure.places if (here := position_of(structure, name)) is not None]
+    near = SAME * float(np.linalg.norm(np.ptp([*structure.points, *(here for _, here in known)], axis=0))) if known else 0.0
+    own = {one: structure.places[name] for one, at in new.items() for name, here in known if np.linalg.norm(here - at) <= near}
+    left = [one for one in new if one not in own]
+    rows = place_rows(structure, [new[one] for one in left]) if left else []
+    return replace(structure, places={**structure.places, **own, **dict(zip(left, rows, strict=True))})
 
 
 def lacking(structure: Structure, place: str) -> BadInput | None:

@@ -394,8 +394,7 @@ def league_answer(folder: Path, data: Path, names: tuple[str, ...], *, as_json: 
         problem = f"it holds none of {', '.join(one.name for one in chosen)}"
         raise BadInput(source=str(data), field="--data", problem=problem, remedy="docs/league.md says where they come from")
     found = League(
-        results=tuple(result(one, quiet=as_json) for one in here),
-        absent=tuple(one.name for one in chosen if one not in here),
+        results=tuple(result(one, quiet=as_json) for one in here), absent=tuple(one.name for one in chosen if one not in here)
     )
     if as_json:
         click.echo(json_text({"sets": {one.entry.name: one.as_json for one in found.results}, "absent": list(found.absent)}))

@@ -151,9 +151,7 @@ def _asymmetry(mesh: Mesh) -> Found:
 
 
 @DYNAMIC_MASS.absolute(
-    f"{ARTICLE}, {MODES} modes with residual, 4 to 32 Hz",
-    "direct solution of K + i omega C - omega² M; of the rigid mass",
-    1e-4,
+    f"{ARTICLE}, {MODES} modes with residual, 4 to 32 Hz", "direct solution of K + i omega C - omega² M; of the rigid mass", 1e-4
 )
 def _modal_against_direct(mesh: Mesh) -> Found:
     """Zero, and the largest difference over all lines in units of the rigid mass, which resonances do not make small."""

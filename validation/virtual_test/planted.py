@@ -86,8 +86,7 @@ def gap(named: Named) -> StructureChange:
     """A load cell that lifts off where its preload is used up."""
     number = int(named.target) - 1
     return lambda rig: replace(
-        rig,
-        cells=tuple(replace(cell, preload=named.value) if k == number else cell for k, cell in enumerate(rig.cells)),
+        rig, cells=tuple(replace(cell, preload=named.value) if k == number else cell for k, cell in enumerate(rig.cells))
     )
 
 

@@ -94,10 +94,11 @@ SENSORS = (
     *(*OF_ANY, "force-position", "force-misalignment", "transducer-mass", "exponential-window"),
     *("wrong-direction", "wrong-place", "wrong-reference"),
 )
+SILENT = {SHAKER: ("exponential-window",), FUNCTIONS: ("exponential-window",), MODES: ("accelerometer-delay", "transducer-mass")}
 OF_DRIVES = ("force-position", "force-misalignment", "wrong-reference")
 OF_CELLS = ("force-crosstalk", "cell-stiffness", "fmd-compliance", "load-path-shunt")
-"""Families that can be hidden: in the structure, in sensors of any test, in those of one by forces, among these where a force
-acts, and in load cells below a base."""
+"""Families that can be hidden: in the structure, in sensors of any test, in those of one by forces, among these what some of such
+tests do not tell and where a force acts, and in load cells below a base."""
 
 CROSS = 0.03
 """[share] of the swept motion that a base makes on average along each other axis where nothing is said."""
@@ -158,8 +159,8 @@ class StructurePlan:
     @property
     def planted(self) -> tuple[str, ...]:
         """Families that can be hidden in it."""
-        cells = OF_CELLS if self.kind == BASE_FORCES else ()
-        return *STRUCTURAL, *((*OF_ANY, *cells) if self.on_base else SENSORS)
+        cells, silent = OF_CELLS if self.kind == BASE_FORCES else (), SILENT.get(self.kind, ())
+        return *STRUCTURAL, *(one for one in ((*OF_ANY, *cells) if self.on_base else SENSORS) if one not in silent)
 
     def drawn(self, what: str) -> np.random.Generator:
         """A stream of random numbers of its own."""
@@ -355,7 +356,7 @@ def tested(plan: StructurePlan) -> TestedStructure:
             K, M = (K, M + value * (rows.T @ rows)) if one.family == "point-mass" else (K + value * (rows.T @ rows), M)
         elif one.family not in plan.planted:
             remedy = f"These can: {', '.join(plan.planted)}"
-            raise BadInput(source="--effect", field=one.id, problem="no virtual test of a structure can hide it", remedy=remedy)
+            raise BadInput(source="--effect", field=one.id, problem=f"no --test {plan.kind} can hide it", remedy=remedy)
     structure = replace(made, stiffness=K, mass=M, part_stiffness=shares)
     return TestedStructure(highest=plan.band[1], structure=structure, losses=losses, ratio=usual if ratio is None else ratio)
 
@@ -452,9 +453,6 @@ def simulate(plan: StructurePlan) -> StructureTest:
     gains = 1 + GAIN * plan.tolerances * plan.drawn("gains").standard_normal(len(rows) + 1)
     names = (*points, "force")
     if plan.kind == FUNCTIONS:
-        if plan.each("exponential-window"):
-            problem = "a window acts on records, and functions are asked for"
-            raise BadInput(source="--effect", field="exponential-window", problem=problem, remedy="Write --test hammer")
         f = np.arange(max(1, round(plan.band[0] * block)), round(plan.band[1] * block) + 1) / block
         read = _heard(plan, names, gains, f, lab, rows, forces)
         A = read[:, :-1] / read[:, -1:]

@@ -2,6 +2,7 @@
 
 import runpy
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -9,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from validation.diagnose.diagnosis import Cause
+from validation.diagnose.candidate_fits import fit_with, is_significant
+from validation.diagnose.diagnosis import Candidate, Cause
 from validation.diagnose.mistakes import _of_channels, _shared_factor, mistakes
 from validation.effects.catalogue import parse
 from validation.effects.effect import Vocabulary
@@ -127,7 +129,10 @@ def test_a_place_is_wrong_where_what_else_moves_is_as_expected_and_not_by_what_h
     assert [cause.id for cause in found] == ids
 
 
-@pytest.mark.parametrize(("kind", "text"), [("functions", "polarity:low-x"), ("hammer", "wrong-direction:low-z:x")])
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [("functions", "polarity:low-x"), ("hammer", "wrong-direction:low-z:x"), ("hammer", "unit:rib-y=9.80665")],
+)
 def test_a_mistake_of_a_channel_that_resonances_move_by_all_that_it_reads_is_told_from_the_other_lines(
     kind: str, text: str, root: Path, tmp_path: Path
 ) -> None:
@@ -139,6 +144,19 @@ def test_a_mistake_of_a_channel_that_resonances_move_by_all_that_it_reads_is_tol
     plan = structure_tests.plan_of(str(model), kind=kind, effects=(text,), seed=1, block=0.0, **given)  # type: ignore[arg-type]
     structure_tests.simulate(plan).fill(tmp_path / "test")
     assert named(Study.open(str(model), [str(tmp_path / "test" / "test.toml")])) == [str(parse(text, ANY))]
+
+
+def test_a_size_is_significant_by_what_none_of_it_would_cost_where_it_is_flat_at_its_end(bracket: Path, tmp_path: Path) -> None:
+    """A pick-up of a table that is turned far saturates: its fit brought 9.9 nats, and its deviation took them for none."""
+    of = study(bracket, tmp_path / "test", "modes", ("accelerometer-misalignment:tip-z:x=0.4",), seed=3)
+    base = Candidate(effects=(), fit=of.all_free(), problem=of.problem())
+    for text, significant in (
+        ("accelerometer-misalignment:tip-z:x=0.1", True),
+        ("accelerometer-misalignment:tip-y:z=0.1", False),
+    ):
+        there = fit_with(of, base, Added(named=parse(text, ANY)))
+        flat = replace(there, fit=replace(there.fit, covariance=1e4 * there.fit.covariance))
+        assert (is_significant(there), is_significant(flat)) == (significant, significant)
 
 
 def test_places_that_read_the_same_are_named_together_and_a_place_near_by_is_told(bracket: Path, tmp_path: Path) -> None:

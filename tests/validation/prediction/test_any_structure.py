@@ -350,6 +350,17 @@ def test_a_place_twice_adds_nothing_where_tests_end_far_below_the_first_mode(por
     np.testing.assert_allclose(twice.matrices.places["@0,0,0.24"], twice.matrices.places["a"], rtol=1e-6, atol=1e-9)
 
 
+def test_coordinates_of_a_place_that_has_a_name_are_that_place() -> None:
+    """Of coordinates of a Craig-Bampton model, whose nodes are those of its interface, a pick-up rode on the nearest of these."""
+    whole, shift = frame("base"), np.array([0.0, 0.0, 0.4])
+    bent = csr_array(whole.places["tip"] * 1.7 - (0.7 * whole.places["tip"] @ whole.rigid) @ np.linalg.pinv(whole.rigid))
+    reduced = replace(whole, elements=None, places={"tip": bent}, points=whole.points[:1], translations=whole.translations[:1])
+    made = prediction_structure.with_positions(replace(reduced, rotations=whole.rotations[:1]), ["@0,0,0.4", "@0,0,0.3"])
+    np.testing.assert_allclose(prediction_structure.position_of(made, "tip"), shift, atol=1e-9)
+    np.testing.assert_array_equal(made.places["@0,0,0.4"].toarray(), bent.toarray())
+    assert abs(made.places["@0,0,0.3"] - bent).max() > 0.1
+
+
 def test_a_frame_on_a_base_that_moves_has_the_shares_of_its_parts() -> None:
     whole = frame("base")
     made = prediction_structure.on_base(whole, fixed_base(whole, 16), 250.0, np.zeros(3)).matrices

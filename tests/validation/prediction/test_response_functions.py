@@ -155,6 +155,16 @@ def test_readings_that_differ_by_a_share_repeat_to_it_and_what_tells_no_scatter_
     error = (rng.standard_normal(exact.shape) + 1j * rng.standard_normal(exact.shape)) / np.sqrt(2)
     assert noise.repeatability(exact * (1 + share * error)) == pytest.approx(share, rel=0.05)
     assert noise.repeatability(exact * [1.0, 1.08, 0.97] * (1 + share * error)) == pytest.approx(share, rel=0.05)  # gains
+    within = np.full(
+        exact.shape, 0.02 * np.median(np.abs(exact))
+    )  # of most lines it is a few per cent, of some all that they read
+    still = within * (rng.standard_normal(exact.shape) + 1j * rng.standard_normal(exact.shape)) / np.sqrt(2)
+    assert noise.repeatability(exact + still) > 0.02
+    assert noise.repeatability(exact + still, within) < 0.005
+    assert noise.repeatability(exact * (1 + share * error) + still, within) == pytest.approx(share, rel=0.1)
+    across = exact * np.where(np.eye(len(exact), dtype=bool)[:, None], 1.0, 0.01)
+    across[0, :, 1] *= 50.0 * (1 + 1j * np.linspace(0, 3, exact.shape[1]))  # it was struck beside its point
+    assert noise.repeatability(across[:2, :, :2]) == 0.0
     with pytest.raises(ValueError, match="7 lines within"):
         noise.between_neighbours(np.arange(5.0), np.ones((1, 5, 1)))
     with pytest.raises(ValueError, match="two runs or more"):

@@ -299,6 +299,14 @@ def test_what_stands_on_no_base_or_asks_for_what_the_test_has_not_is_refused(on_
     assert "no force channel is called" in refused(*asked("base", "--effect", "force-gain:fmd-z1=0.1", *out))
     assert "can hide it" in refused(*asked("base", "--effect", "cell-stiffness:1z=0.1", *out))
     assert "can hide it" in refused(*asked("base", "--effect", "transducer-mass=0.1", *out))
+    for kind, effect in (
+        ("modes", "transducer-mass=0.1"),
+        ("modes", "accelerometer-delay:a-x=1e-4"),
+        ("functions", "exponential-window=3"),
+    ):
+        assert f"no --test {kind} can hide it" in refused(
+            *asked(kind, "--effect", effect, *out)
+        )  # it had been planted, and was nowhere
     assert "must not be negative" in refused(*asked("base", "--seed", "-3", *out))
     assert "must rise from above 0" in refused(*asked("base", "--band", "5", "inf", *out))
     still = ("--noise", "off", "--tolerances", "off", "--cross", "0")
