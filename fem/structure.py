@@ -147,11 +147,13 @@ ON_NODE = 1e-6
 FAR = 2.0
 """A point lies outside when the nearest node is farther than this many times the widest gap between two neighbouring nodes,"""
 
-BESIDE = 0.1
+OUTSIDE = 0.1
 """[share] and than this of the size of the structure. By definition."""
 
 
-def place_rows(structure: Structure, points: npt.ArrayLike, source: str = "the structure", field: str = "place") -> list[Sparse]:
+def place_rows(
+    structure: Structure, points: npt.ArrayLike, source: str = "the structure", field: str = "place", *, riding: bool = False
+) -> list[Sparse]:
     """What each degree of freedom moves `points` (p, 3) [m], in the article's frame, along x, y, z: (3, n) sparse each.
 
     In a mesh the element that holds a point carries it. Else it rides on the nearest node and turns with it. Where that has no
@@ -160,7 +162,8 @@ def place_rows(structure: Structure, points: npt.ArrayLike, source: str = "the s
 
     Raises
     ------
-    BadInput : the structure knows no nodes, or a point, `field` of the `source`, lies outside its mesh or far from its nodes.
+    BadInput : the structure knows no nodes, or a point, `field` of the `source`, lies outside its mesh or, unless it is `riding`
+        along with the nearest one, far from its nodes.
     """
     from scipy.sparse import csr_array
 
@@ -175,10 +178,10 @@ def place_rows(structure: Structure, points: npt.ArrayLike, source: str = "the s
     at = np.asarray(points, dtype=np.float64).reshape(-1, 3)
     away, near = cKDTree(structure.points).query(at, k=min(NEIGHBOURS, len(structure.points)))
     gap, wide = nearest_node(structure, at[0])[2] or np.inf, np.ptp(structure.points, axis=0).max()
-    found, n, most = [], structure.mass.shape[0], max(FAR * gap, BESIDE * wide)
+    found, n, most = [], structure.mass.shape[0], max(FAR * gap, OUTSIDE * wide)
     for point, distances, nodes in zip(at, away.reshape(len(at), -1), near.reshape(len(at), -1), strict=True):
         first, arm = nodes[0], point - structure.points[nodes[0]]
-        if distances[0] > most:
+        if distances[0] > most and not riding:
             problem, remedy = f"lies {distances[0]:.4g} m outside of the structure", ", ".join(f"{x:.6g}" for x in point - arm)
             raise BadInput(source=source, field=field, problem=problem, remedy=f"The nearest node is at ({remedy}) m")
         turning = structure.rotations[first] if len(structure.rotations) else np.full(3, -1)
@@ -198,8 +201,8 @@ def place_rows(structure: Structure, points: npt.ArrayLike, source: str = "the s
 
 
 def rows_beside(structure: Structure, point: Array) -> Sparse:
-    """(3, n) what moves a pick-up at `point` (3,) [m], as of `place_rows`; off a mesh it rides along with what is nearest."""
-    return structure.elements.riding(point) if structure.elements is not None else place_rows(structure, point)[0]
+    """(3, n) what moves a pick-up at `point` (3,) [m], as of `place_rows`; outside it rides along with what is nearest."""
+    return structure.elements.riding(point) if structure.elements is not None else place_rows(structure, point, riding=True)[0]
 
 
 def position_of(structure: Structure, place: str) -> Array | None:

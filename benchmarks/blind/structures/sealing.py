@@ -284,7 +284,8 @@ def with_faults(fine: Structure, laboratory: int, faults: Sequence[Fault]) -> tu
     for one in faults:
         family, *targets = one.id.split(":")
         if family == "connection-compliance":
-            springs = reduction.joint_springs(fine, targets[0])
+            here = replace(fine, part_stiffness={**fine.part_stiffness, targets[0]: K[targets[0]]})  # of this laboratory
+            springs = reduction.joint_springs(here, targets[0])
             assert springs is not None
             p, k = springs[0][MOTIONS.index(targets[1])], springs[1][MOTIONS.index(targets[1])]
             at = np.flatnonzero(p)
