@@ -147,8 +147,8 @@ ON_NODE = 1e-6
 FAR = 2.0
 """A point lies outside when the nearest node is farther than this many times the widest gap between two neighbouring nodes,"""
 
-BESIDE = 0.1
-"""[share] and than this of the size of the structure. By definition."""
+FAR_SHARE = 0.1
+"""and than this share of the size of the structure. By definition."""
 
 
 def place_rows(structure: Structure, points: npt.ArrayLike, source: str = "the structure", field: str = "place") -> list[Sparse]:
@@ -175,7 +175,7 @@ def place_rows(structure: Structure, points: npt.ArrayLike, source: str = "the s
     at = np.asarray(points, dtype=np.float64).reshape(-1, 3)
     away, near = cKDTree(structure.points).query(at, k=min(NEIGHBOURS, len(structure.points)))
     gap, wide = nearest_node(structure, at[0])[2] or np.inf, np.ptp(structure.points, axis=0).max()
-    found, n, most = [], structure.mass.shape[0], max(FAR * gap, BESIDE * wide)
+    found, n, most = [], structure.mass.shape[0], max(FAR * gap, FAR_SHARE * wide)
     for point, distances, nodes in zip(at, away.reshape(len(at), -1), near.reshape(len(at), -1), strict=True):
         first, arm = nodes[0], point - structure.points[nodes[0]]
         if distances[0] > most:
@@ -228,16 +228,15 @@ def gradients(structure: Structure, places: Sequence[str], moved: Array) -> dict
     for name in places:
         if (at := position_of(structure, name)) is None or (structure.elements is None and not len(structure.points)):
             continue
-        if structure.elements is not None:
-            with suppress(BadInput):  # outside the mesh
+        with suppress(BadInput):  # outside the mesh, or far from all nodes that there are
+            if structure.elements is not None:
                 slopes, steps = structure.elements.slopes(at) @ moved, BESIDE * np.vstack([np.zeros(3), np.eye(3), -np.eye(3)])
                 here, *ends = (structure.elements.riding(at + by, at) @ moved for by in steps)
                 ahead, behind = ends[:3] - here - BESIDE * slopes, ends[3:] - here + BESIDE * slopes
                 found[name] = np.stack([slopes, (ahead + behind) / (2 * BESIDE**2), (ahead - behind) / (2 * BESIDE**3)], axis=1)
-            continue
-        shifts = NEARBY * size * np.vstack([np.eye(3), -np.eye(3)])
-        rows = [row @ moved for row in place_rows(structure, at + shifts)]
-        found[name] = np.array([[(rows[k] - rows[k + 3]) / (2 * NEARBY * size)] for k in range(3)])
+                continue
+            rows = [row @ moved for row in place_rows(structure, at + NEARBY * size * np.vstack([np.eye(3), -np.eye(3)]))]
+            found[name] = np.array([[(rows[k] - rows[k + 3]) / (2 * NEARBY * size)] for k in range(3)])
     return found
 
 
