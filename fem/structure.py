@@ -231,16 +231,15 @@ def gradients(structure: Structure, places: Sequence[str], moved: Array) -> dict
     for name in places:
         if (at := position_of(structure, name)) is None or (structure.elements is None and not len(structure.points)):
             continue
-        if structure.elements is not None:
-            with suppress(BadInput):  # outside the mesh
+        with suppress(BadInput):  # outside the mesh, or far from all nodes that there are
+            if structure.elements is not None:
                 slopes, steps = structure.elements.slopes(at) @ moved, BESIDE * np.vstack([np.zeros(3), np.eye(3), -np.eye(3)])
                 here, *ends = (structure.elements.riding(at + by, at) @ moved for by in steps)
                 ahead, behind = ends[:3] - here - BESIDE * slopes, ends[3:] - here + BESIDE * slopes
                 found[name] = np.stack([slopes, (ahead + behind) / (2 * BESIDE**2), (ahead - behind) / (2 * BESIDE**3)], axis=1)
-            continue
-        shifts = NEARBY * size * np.vstack([np.eye(3), -np.eye(3)])
-        rows = [row @ moved for row in place_rows(structure, at + shifts)]
-        found[name] = np.array([[(rows[k] - rows[k + 3]) / (2 * NEARBY * size)] for k in range(3)])
+                continue
+            rows = [row @ moved for row in place_rows(structure, at + NEARBY * size * np.vstack([np.eye(3), -np.eye(3)]))]
+            found[name] = np.array([[(rows[k] - rows[k + 3]) / (2 * NEARBY * size)] for k in range(3)])
     return found
 
 

@@ -170,10 +170,7 @@ def of_modes(modes: RealModes, table: ModalTable, allowed: npt.ArrayLike = 0.0) 
         mac=matrix,
         cross_orthogonality=crossed,
         comac=by_sensor,
-        remarks=(
-            *said,
-            *_remarks(pairs, [k + 1 for k in inside], np.hypot(allowed, table.frequency_deviation / table.frequency)),
-        ),
+        remarks=tuple(said),
         measured_shapes=read,
         model_shapes=seen_of,
     )

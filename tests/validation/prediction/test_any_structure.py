@@ -18,9 +18,10 @@ from fem import gravity
 from fem.damping import Damping
 from fem.factorisers import factorise
 from fem.modes import fixed_base
-from fem.structure import Structure
+from fem.structure import Structure, gradients, place_rows
 from fem.user_model import reading
 from geometry.dynamic_mass import MOTIONS
+from geometry.errors import BadInput
 from geometry.frames import Array, rigid_transformation_6
 from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, Named, acts, there
@@ -359,6 +360,25 @@ def test_coordinates_of_a_place_that_has_a_name_are_that_place() -> None:
     np.testing.assert_allclose(prediction_structure.position_of(made, "tip"), shift, atol=1e-9)
     np.testing.assert_array_equal(made.places["@0,0,0.4"].toarray(), bent.toarray())
     assert abs(made.places["@0,0,0.3"] - bent).max() > 0.1
+
+
+def test_of_a_place_far_from_all_nodes_that_are_known_it_is_not_told_what_lies_beside_it() -> None:
+    """A model with its interface's nodes alone was refused by any place of rows that lies 0.33 m from these."""
+    whole = frame("base")
+    three = np.argsort(np.linalg.norm(whole.points, axis=1))[:3]  # a post's foot and those next to it
+    few = replace(whole, points=whole.points[three], translations=whole.translations[three])
+    assert [*gradients(whole, ["tip"], np.eye(whole.mass.shape[0], 4))] == ["tip"]
+    assert gradients(few, ["tip"], np.eye(whole.mass.shape[0], 4)) == {}
+
+
+def test_a_point_beside_nodes_that_lie_close_is_refused_from_a_tenth_of_the_size_of_the_structure() -> None:
+    """From a hundredth it was, where twice the gap between nodes is less."""
+    whole = frame("base")
+    line = np.linspace([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], len(whole.points))
+    dense = replace(whole, points=line)
+    place_rows(dense, [0.5, 0.0, 0.09])
+    with pytest.raises(BadInput, match=r"lies 0\.11 m outside"):
+        place_rows(dense, [0.5, 0.0, 0.11])
 
 
 def test_a_frame_on_a_base_that_moves_has_the_shares_of_its_parts() -> None:

@@ -79,7 +79,7 @@ def test_functions_with_a_fault_are_what_the_model_with_it_predicts(text: str, t
     ("kind", "text", "options"),
     [
         ("hammer", "exponential-window=30", {}),
-        ("modes", "accelerometer-position:tip-x:z=0.1", {"noise": 0.1}),
+        ("modes", "accelerometer-position:tip-x:z=0.09", {"noise": 0.1}),
         ("modes", "wrong-direction:tip-x:y", {"noise": 0.1}),
     ],
 )
