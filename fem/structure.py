@@ -177,11 +177,11 @@ def place_rows(
 
     at = np.asarray(points, dtype=np.float64).reshape(-1, 3)
     away, near = cKDTree(structure.points).query(at, k=min(NEIGHBOURS, len(structure.points)))
-    gap, wide = nearest_node(structure, at[0])[2] or np.inf, np.ptp(structure.points, axis=0).max()
-    found, n, most = [], structure.mass.shape[0], max(FAR * gap, OUTSIDE * wide)
+    found, n, wide = [], structure.mass.shape[0], np.ptp(structure.points, axis=0).max()
     for point, distances, nodes in zip(at, away.reshape(len(at), -1), near.reshape(len(at), -1), strict=True):
         first, arm = nodes[0], point - structure.points[nodes[0]]
-        if distances[0] > most and not riding:
+        far = distances[0] > OUTSIDE * wide and not riding
+        if far and distances[0] > FAR * (nearest_node(structure, point)[2] or np.inf):  # gaps of all nodes are dear
             problem, remedy = f"lies {distances[0]:.4g} m outside of the structure", ", ".join(f"{x:.6g}" for x in point - arm)
             raise BadInput(source=source, field=field, problem=problem, remedy=f"The nearest node is at ({remedy}) m")
         turning = structure.rotations[first] if len(structure.rotations) else np.full(3, -1)

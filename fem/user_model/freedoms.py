@@ -346,10 +346,8 @@ def _motion(
         raise BadInput(source=source, field=where, problem=problem, remedy="Write its rows: { dof = [0, 1, 2] }")
     node, distance, gap = nearest_node(structure, place.point)
     nearest = ", ".join(f"{x:.6g}" for x in structure.points[node])
-    rows, turning = (
-        place_rows(structure, place.point, source, where)[0],
-        structure.rotations[node] if len(structure.rotations) else (),
-    )
+    rows = place_rows(structure, place.point, source, where)[0]
+    turning = structure.rotations[node] if len(structure.rotations) else ()
     there = [(axis, row) for axis, row in enumerate(turning) if row >= 0]
     about = csr_array((np.ones(len(there)), ([a for a, _ in there], [r for _, r in there])), shape=(3, n))
     said = f"The place {name} rides on the node at ({nearest}) m, {1e3 * distance:.3g} mm away." if distance > 1e-3 * gap else ""

@@ -676,10 +676,13 @@ def elsewhere(data: Study, rest: Candidate, there: Candidate) -> tuple[tuple[Stu
         return ()
     offsets = {**rest.problem.start, **{one: x for one, x in there.fit.by_name.items() if one in rest.problem.by_name}}
     absurd = goodness_of_fit(there.fit, there.problem).largest >= ABSURD
-    stands = [offsets, *([declared(rest.problem, rest.fit)] if absurd else [])]
-    without, *at_home = (tuple(MeshSearch.of(replace(rest, fit=_standing(rest.problem, rest.fit, each)))) for each in stands)
-    searches = [(one, False) for one in (*MeshSearch.in_place_of(data, there, rest.fit.cost - there.fit.cost), *without)]
-    searches += [(one, True) for each in at_home for one in each]
+
+    def standing(at: Mapping[str, float]) -> Iterator[MeshSearch]:
+        return MeshSearch.of(replace(rest, fit=_standing(rest.problem, rest.fit, at)))
+
+    near = (*MeshSearch.in_place_of(data, there, rest.fit.cost - there.fit.cost), *standing(offsets))
+    home = standing(declared(rest.problem, rest.fit)) if absurd else ()
+    searches = (*((one, False) for one in near), *((one, True) for one in home))
     found, named = dict[str, tuple[Added, float]](), position(here)
     for search, far in searches:
         point = None if named is None else np.array(named)
@@ -687,9 +690,11 @@ def elsewhere(data: Study, rest: Candidate, there: Candidate) -> tuple[tuple[Stu
             point = position_of(search.whole.structure, here)
         if point is None:
             continue
-        size, tops = added.named.value, search.hills(kind, point, [added.named.value], itself=True) if far else []
-        top, _, size = max(tops, key=lambda one: one[1], default=(None, 0.0, size))
-        node, _, size = search.nearby(kind, point if top is None else search.points[top], size)
+        begin, size = point, added.named.value
+        if far and (tops := search.hills(kind, point, [size], itself=True)):
+            node, _, size = max(tops, key=lambda top: top[1])
+            begin = search.points[node]
+        node, _, size = search.nearby(kind, begin, size)
         place = at_position(search.points[node])
         again = _moved(added.named, search.points[node], size)
         if again.id not in {one.named.id for one in there.effects} and not np.allclose(search.points[node], point):
