@@ -93,6 +93,7 @@ class Matrices:
     geometric : (k, k) stiffness that the weight gives or takes under standard gravity; (0, 0) where it is not known
     rigid : (6, k) rigid motion of the article about its origin that each coordinate carries along; by default that of the base
     lossier : root of the factor by which the mode of each of the first coordinates loses more than its parts say
+    losses : loss factor by part, by which its share of `stiffness` stands in `structural`
     """
 
     base: int
@@ -113,6 +114,7 @@ class Matrices:
     geometric: Array = field(default_factory=lambda: np.zeros((0, 0)))
     rigid: Array = field(default_factory=lambda: np.zeros((0, 0)))
     lossier: Array = field(default_factory=lambda: np.zeros(0))
+    losses: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
     def __post_init__(self) -> None:
         k = len(self.mass)
@@ -142,9 +144,12 @@ class Matrices:
 
     def lost(self, part: str) -> Array:
         """(k, k) share of a part as its losses count: what a mode loses beside them, it loses of all that the part loses."""
-        scale = np.ones(len(self.mass))
-        scale[: len(self.lossier)] = self.lossier
-        return scale[:, None] * self.parts[part] * scale
+        return self.as_lost[:, None] * self.parts[part] * self.as_lost
+
+    @cached_property
+    def as_lost(self) -> Array:
+        """(k,) root of the factor by which each coordinate loses more than parts say."""
+        return np.append(self.lossier, np.ones(len(self.mass) - len(self.lossier)))
 
 
 ROUNDING = 1e-9

@@ -307,9 +307,10 @@ class Nuisances:
                 mass[b + r, a] += more
         S = (D * E)[:, None] * S * (D * E)
         structural, viscous = self.coupling(offsets)
-        made = replace(m, mass=mass, stiffness=stiffness, structural=S + structural, viscous=C + viscous, parts=parts, lossier=D)
         losses = {part: eta * (1 + offsets.get(f"loss:{part}", 0.0)) for part, eta in self.losses.items()}
-        return _Now(of=self, matrices=made, E=E, D=D, uncoupled=C, lost=S, losses=losses, offsets=offsets)
+        S_all, C_all = S + structural, C + viscous
+        made = replace(m, mass=mass, stiffness=stiffness, structural=S_all, viscous=C_all, parts=parts, lossier=D, losses=losses)
+        return _Now(of=self, matrices=made, E=E, D=D, uncoupled=C, lost=S, offsets=offsets)
 
     def coupling(self, offsets: Offsets) -> tuple[Array, Array]:
         """(k, k) structural and viscous damping by which pairs of modes lose together at `offsets`, beside what parts say."""
@@ -395,7 +396,7 @@ def nuisances(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Now:
-    """Matrices `of` some nuisances at `offsets`: E and D (k,), C and S before the coupling, loss factors of the parts."""
+    """Matrices `of` some nuisances at `offsets`: E and D (k,), C and S before the coupling."""
 
     of: Nuisances
     matrices: Matrices
@@ -403,7 +404,6 @@ class _Now:
     D: Array
     uncoupled: Array
     lost: Array
-    losses: Mapping[str, float]
     offsets: Offsets
 
     def tangent(self, parameter: str) -> Tangent:
@@ -452,7 +452,7 @@ class _Now:
         stiffness, whole, drawn = E[:, None] * K * E, np.diag(self.matrices.stiffness), np.diag(self.of.nominal.stiffness)
         grows = np.divide(np.diag(stiffness), 4 * whole, out=np.zeros_like(whole), where=(whole > 0) & (drawn > 0))
         changes = {"stiffness": stiffness}
-        if (eta := self.losses.get(part, 0.0)) > 0:
+        if (eta := self.matrices.losses.get(part, 0.0)) > 0:
             changes["structural"] = (eta * DE)[:, None] * K * DE
         if self.uncoupled.any():
             changes["viscous"] = self.uncoupled * (grows[:, None] + grows)
@@ -461,8 +461,9 @@ class _Now:
         return of_arrays(len(K), {part: K}, **changes)
 
     def _of_loss(self, part: str) -> Tangent:
-        DE = self.D * self.E
-        return of_arrays(len(DE), structural=self.of.losses[part] * DE[:, None] * self.matrices.parts[part] * DE)
+        DE, eta = self.D * self.E, self.of.losses[part]
+        lost = of_arrays(len(DE), structural=eta * DE[:, None] * self.matrices.parts[part] * DE)
+        return replace(lost, losses={part: eta})
 
     def _of_frequency(self, configuration: str, mode: str) -> Tangent:
         r, m = self.of.nominal.base + int(mode) - 1, self.matrices
@@ -626,16 +627,11 @@ def structure(
         counts = [np.count_nonzero(one.structural) for one in (stage, after)]
         lossy = counts[0] != counts[1] or not np.array_equal(after.structural[:n, :n], stage.structural)
         for key, tangent in found.items() if read and not _is_nothing(added.named) else ():
-            if met := read & {*tangent.parts}:  # as it is, and what the equation reads of the parts that it changes
-                changed = {part: tangent.parts[part] for part in met}
-                moved = {part: drawn[part] + np.pad(one, (0, n - len(one))) for part, one in changed.items()}
-                told = between(after, _changed(added.named, replace(stage, parts={**drawn, **moved})), 1.0)
-                found[key] = plus(tangent, told, len(after.mass))
-            elif tangent.lossier is not None and lossy:
-                root = np.exp(COARSE / 2 * (np.arange(len(stage.lossier)) == tangent.lossier))
-                below, above = (_changed(added.named, replace(stage, lossier=stage.lossier * side)) for side in (1 / root, root))
-                lost = between(below, above, 2 * COARSE)
-                found[key] = replace(plus(tangent, lost, len(after.mass)), lossier=tangent.lossier, parts=tangent.parts)
+            if (met := read & {*tangent.parts}) or (lossy and (tangent.lossier is not None or tangent.losses)):
+                below, above = (_changed(added.named, _moved(stage, drawn, tangent, met, side)) for side in (-COARSE, COARSE))
+                told = plus(tangent, between(below, above, 2 * COARSE), len(after.mass))
+                kept = replace(told, lossier=tangent.lossier, losses=tangent.losses)
+                found[key] = kept if met else replace(kept, parts=tangent.parts)
         for size in _free(added):
             if not is_wanted(name(added.named, size.key), derivatives):
                 continue
@@ -646,6 +642,18 @@ def structure(
             found[name(added.named, size.key)] = between(below, above, 2 * step / slope)
         stage = after
     return stage, found
+
+
+def _moved(stage: Matrices, drawn: Mapping[str, Array], tangent: Tangent, met: frozenset[str], step: float) -> Matrices:
+    """What an equation reads of `stage` where a parameter stands a `step` farther: the shares of `met` parts, and all losses."""
+    lossier = stage.lossier * np.exp(step / 2 * (np.arange(len(stage.lossier)) == tangent.lossier))
+    losses = {part: stage.losses[part] + step * rate for part, rate in tangent.losses.items()}
+    moved = replace(stage, lossier=lossier, losses={**stage.losses, **losses})
+    if not met:
+        return moved
+    n = len(stage.mass)
+    parts = {part: drawn[part] + step * np.pad(tangent.parts[part], (0, n - len(tangent.parts[part]))) for part in met}
+    return replace(moved, parts={**drawn, **parts})
 
 
 def body(

@@ -22,6 +22,7 @@ class Tangent:
     parts : by name (k, k), where the share of a part changes
     crossing : position in `at` of the coordinate whose row and column alone change, twice where they meet; None where more may
     lossier : the coordinate whose losses grow, and of parts with them what effects add; None of all others
+    losses : by name, where the loss factor of a part changes
     """
 
     at: Integers
@@ -32,6 +33,7 @@ class Tangent:
     parts: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
     crossing: int | None = None
     lossier: int | None = None
+    losses: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
     def entries(self, whole: Array) -> Array:
         """Those of a symmetric `whole` (k, k) that stand where the fields do."""

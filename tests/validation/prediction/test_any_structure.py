@@ -447,6 +447,31 @@ def test_derivatives_of_what_is_declared_are_differences(name: str) -> None:
         np.testing.assert_allclose(found, difference, rtol=0, atol=1e-6 * scale)
 
 
+@pytest.mark.parametrize("name", ["loss:bolt", "modulus:bolt", "damping:frame:1"])
+def test_a_joint_that_gives_loses_less_whatever_its_losses_and_modulus_are(name: str) -> None:
+    """It had lost as before: a joint 67 times softer, and its partner of a pair found, had a law of losses pay for it."""
+    whole, few = standing("ground")
+    known = effects.nuisances("frame", few, np.array([20.0, 30.0]), {**whole.loss_factors, "bolt": 0.05})
+    named = catalogue.parse(f"connection-compliance:bolt:beta={2 / JOINT[4]}", Vocabulary(places=None, parts=None))
+    at = {"loss:bolt": 0.2, "modulus:bolt": -0.3, "damping:frame:1": 0.1}
+
+    def given(offsets: Mapping[str, float]) -> tuple[Matrices, Mapping[str, Tangent]]:
+        return effects.structure(*known.at(offsets), [Added(named=named)], derivatives=True)
+
+    few, after = known.at(at)[0], given(at)[0]
+    gone, lost = few.stiffness - after.stiffness, few.structural - after.structural
+    D = np.append(np.exp(0.1 / 2), np.ones(len(gone) - 1))
+    np.testing.assert_allclose(lost, 0.05 * 1.2 * D[:, None] * gone * D, rtol=0, atol=1e-9 * np.abs(gone).max())
+    assert np.abs(lost).max() > 0.01 * np.abs(gone).max()
+    step = 1e-4
+    above, below = (given({**at, name: at[name] + side * step})[0] for side in (1, -1))
+    for field in FIELDS:
+        difference = (getattr(above, field) - getattr(below, field)) / (2 * step)
+        found = full(given(at)[1][name], field, len(gone))
+        scale = max(np.abs(difference).max(), 1e-6 * np.abs(getattr(above, field)).max())
+        np.testing.assert_allclose(found, difference, rtol=0, atol=1e-5 * scale)
+
+
 def test_an_effect_that_opens_a_tolerance_is_that_parameter() -> None:
     known = effects.nuisances("frame", standing("ground")[1], np.array([20.0]), {})
     named = [Named(family=family, targets=(target,), values={"": value}) for family, target, value in OPENING]
