@@ -405,7 +405,27 @@ def noise(clock: Clock, lines: Array, phase: Array, duration: float, rms: float)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Random:
+class InBand:
+    """What lies in one band [Hz] for one `duration` [s]; `seed` of what is drawn for it."""
+
+    start: float = 4.0
+    stop: float = 32.0
+    duration: float = 90.0
+    seed: int | np.random.Generator = 0
+
+    @property
+    def driven(self) -> float:
+        """[s]."""
+        return self.duration
+
+    @property
+    def highest(self) -> float:
+        """[Hz]."""
+        return self.stop
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Random(InBand):
     """Band-limited noise: equally strong lines of random phase, between a smooth start and a smooth end.
 
     Every line of the band is there in every draw, so no frequency is left without excitation. The root mean square is that of the
@@ -425,10 +445,6 @@ class Random:
     """
 
     rms: Mapping[str, float] = field(default_factory=lambda: LEVELS)
-    start: float = 4.0
-    stop: float = 32.0
-    duration: float = 90.0
-    seed: int | np.random.Generator = 0
 
     def __post_init__(self) -> None:
         _settle(self, "rms", 3 * RAMP_CYCLES, "random excitation")
@@ -437,16 +453,6 @@ class Random:
     def label(self) -> str:
         """What is driven, in words."""
         return f"random {self.start:g}-{self.stop:g} Hz, {self.duration:g} s, rms {listed(self.rms)}"
-
-    @property
-    def driven(self) -> float:
-        """[s]."""
-        return self.duration
-
-    @property
-    def highest(self) -> float:
-        """[Hz]."""
-        return self.stop
 
     def signals(self, clock: Clock) -> Mapping[str, Jet]:
         """Displacement [m, rad] of every axis that is driven, with its derivatives, at the instants of `clock`."""
@@ -506,7 +512,7 @@ def _settle(pattern: "Random | Burst", levels: str, cycles: float, source: str, 
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Burst:
+class Burst(InBand):
     """A swell of sine (`start` equal to `stop`) or of noise over a band, rising to its middle and falling to its end.
 
     Attributes
@@ -523,10 +529,7 @@ class Burst:
     """
 
     level: Mapping[str, float] = field(default_factory=lambda: LEVELS)
-    start: float = 4.0
-    stop: float = 32.0
     duration: float = 4.0
-    seed: int | np.random.Generator = 0
 
     def __post_init__(self) -> None:
         _settle(self, "level", RAMP_CYCLES, "burst excitation", line=True)
@@ -536,16 +539,6 @@ class Burst:
         """What is driven, in words."""
         what = f"noise {self.start:g}-{self.stop:g} Hz" if self.start < self.stop else f"sine {self.start:g} Hz"
         return f"burst of {what}, {self.duration:g} s, {listed(self.level)}"
-
-    @property
-    def driven(self) -> float:
-        """[s]."""
-        return self.duration
-
-    @property
-    def highest(self) -> float:
-        """[Hz]."""
-        return self.stop
 
     def signals(self, clock: Clock) -> Mapping[str, Jet]:
         """Displacement [m, rad] of every axis that is driven, with its derivatives, at the instants of `clock`."""

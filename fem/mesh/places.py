@@ -11,6 +11,7 @@ import numpy.typing as npt
 from fem.beam.elements import IN_XY, IN_XZ, SIGN_XZ, moduli, shape_functions, timoshenko
 from fem.mesh import shells, solids
 from fem.mesh.description import PartTable
+from fem.mesh.files import Cells
 from fem.structure import Sparse
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers, rigid_transformation, rigid_transformation_6, skew
@@ -58,19 +59,10 @@ Piece = tuple[Integers, Callable[[], tuple[Array, Array]]]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Block:
-    """Elements of one kind and part: numbers in the file `tags` (c,), indices of their nodes `nodes` (c, k).
-
-    What they state beside is None, or as in `fem.mesh.files.Cells`: `axes`, `offsets` [m], `loose` ends.
-    """
+class Block(Cells):
+    """Elements of one kind and part, lengths in metres."""
 
     part: str
-    kind: str
-    tags: Integers
-    nodes: Integers
-    axes: Array | None = None
-    offsets: Array | None = None
-    loose: npt.NDArray[np.bool_] | None = None
 
     @property
     def turning(self) -> bool:

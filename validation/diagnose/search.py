@@ -47,7 +47,7 @@ from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, STRUCTURE, evidence_threshold, position
 from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, ROUGHLY, STRIDE, child, nearby
 from validation.estimation.likelihood import cost_of
-from validation.estimation.problem import FITTED, Fit
+from validation.estimation.problem import FITTED, Fit, Offsets
 from validation.estimation.verdicts import MISFIT
 from validation.model.model import Added
 from validation.output import nats, odds
@@ -61,23 +61,25 @@ tests/validation/diagnosing/test_search.py."""
 
 
 def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: "Progress") -> "SearchStep":
-    """The step from `at`, which did not converge, to the effect of the structure that comes nearest to the data and converges.
+    """The step from `at`, which did not converge, to the effect that comes nearest to the data and converges: of the structure,
+    or of sensors and methods of which no tolerance is in the fit.
 
     What drove tolerances so far that no fit ends is seen from where they are declared: by landmarks where these alone are far
     off, else over a floor of `COARSE` on few lines, where each effect begins at a part of what is plausible.
     """
     asked = [one for one in menu if seen_from_afar(one)]
+    others = [one for one in menu if can_restart(one) and one not in asked and one.named.id not in at.fit.by_name]
     progress("looking from afar for what keeps the model from converging", 0.0)
     view = DistantView(marks=() if data.made else Landmark.of_tests(data.predictions))
-    nearest: list[tuple[float, Added, dict[str, float]]]
-    if view.marks and view.far:
-        nearest = [(0.5 * one.chi2, one.effects[0], {}) for one in view.nearest(asked, FITS_OF_A_STEP)]
-    else:
-        nearest = _nearest_by_lines(data, at, asked, progress)
+    far = bool(view.marks) and view.far
+    by_lines = _nearest_by_lines(data, at, others if far else [*asked, *others], progress)[:FEW]
+    nearest: list[tuple[float, Added, dict[str, float]]] = [(fit.cost, added, fit.by_name) for added, fit in by_lines]
+    by_landmarks = view.nearest(asked, FITS_OF_A_STEP)[:FEW] if far else ()
+    nearest += [(0.5 * one.chi2, one.effects[0], {}) for one in by_landmarks]
     tried, least = list[CandidateFit](), inf
-    for cost, added, begin in nearest[:FEW]:
+    for cost, added, begin in nearest:
         if any(one.goodness.null for one in tried) and cost > least + INDISTINGUISHABLE_NATS:
-            break
+            continue
         least = cost
         progress(f"trying {added.named.id} from afar", 0.9)
         effects, ready = (*at.effects, added), data
@@ -98,23 +100,32 @@ def seen_from_afar(added: Added) -> bool:
     return FAMILIES[added.named.family].side == STRUCTURE and can_restart(added)
 
 
-def _nearest_by_lines(
-    data: Study, at: Candidate, asked: Sequence[Added], progress: "Progress"
-) -> list[tuple[float, Added, dict[str, float]]]:
-    """Cost, effect and offsets of those that come nearest along few lines over a coarse floor, the best first."""
-    nearest: list[tuple[float, Added, dict[str, float]]] = []
+def _nearest_by_lines(data: Study, at: Candidate, asked: Sequence[Added], progress: "Progress") -> list[tuple[Added, Fit]]:
+    """Those `asked` and their rough fits, the best first, from where tolerances are declared and a part of what is plausible."""
+    begins = list[tuple[Added, list[dict[str, float]]]]()
+    for added in asked:
+        (which,) = (name(added.named, size.key) for size in added.named.fitted_sizes)
+        size = data.problem((*at.effects, added)).by_name[which]
+        parts = (FROM_AFAR * size.tolerance, -FROM_AFAR * size.tolerance)
+        begins.append((added, [{which: begin} for begin in parts if size.low < begin < size.high]))
     rough = partial(child, floor=COARSE[1], close=ROUGHLY)
     without = rough(at.problem.sparser(STRIDE), FITTED, at.fit, declared(at.problem, at.fit))
-    for done, added in enumerate(asked):
-        progress("looking from afar along few lines", done / len(asked))
+    return _along_few_lines(data, replace(at, fit=without), begins, rough, progress)
+
+
+def _along_few_lines(
+    data: Study, at: Candidate, asked: Sequence[tuple[Added, Sequence[Offsets]]], rough: Callable[..., Fit], progress: "Progress"
+) -> list[tuple[Added, Fit]]:
+    """Every effect beside `at` with its `rough` fit along few lines from the better of where it begins, the best effect first."""
+    found = list[tuple[Added, Fit]]()
+    for done, (added, begins) in enumerate(asked):
+        progress(f"trying {added.named.id} along few lines", done / len(asked))
         problem = data.problem((*at.effects, added)).sparser(STRIDE)
-        (which,) = (name(added.named, size.key) for size in added.named.fitted_sizes)
-        size, enough = problem.by_name[which], nearest[FEW - 1][0] if len(nearest) >= FEW else inf
-        begins = [begin for begin in (FROM_AFAR * size.tolerance, -FROM_AFAR * size.tolerance) if size.low < begin < size.high]
-        fits = [rough(problem, FITTED, without, {which: begin}, worth=enough) for begin in begins]
-        nearest += [(fit.cost, added, fit.by_name) for fit in sorted(fits, key=lambda fit: fit.cost)[:1]]
-        nearest.sort(key=lambda one: one[0])
-    return nearest
+        enough = found[FEW - 1][1].cost + SCREENING_MARGIN if len(found) >= FEW else inf
+        fits = [rough(problem, FITTED, at.fit, begin, worth=enough) for begin in begins]
+        found += [(added, fit) for fit in sorted(fits, key=lambda fit: fit.cost)[:1]]
+        found.sort(key=lambda one: -one[1].log_evidence)
+    return found
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -530,8 +541,8 @@ def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress,
             brought = max(each.evidence, node.evidence + node.looked)
             found[k] = replace(each, added=replace(each.added, named=node.named), evidence=brought, begin=node.fit)
     found.sort(key=lambda each: -each.evidence)
-    fits = _rough_fits if here.misfit > MISFIT else _local_fits
-    tried, gone = _fits_in_band(data, found, lambda some: fits(data, at, here, some, progress))
+    fits = _rough_fits if here.misfit > MISFIT else partial(_local_fits, here=here)
+    tried, gone = _fits_in_band(data, found, lambda some: fits(data, at, some, progress))
     tried = _restarted_where_stuck(data, at, here, tried, found, progress)
     tried = ranked([replace(one, looked=known[one.id].looked) if one.id in known else one for one in tried])
     good = bool(tried) and is_accepted(tried[0])
@@ -554,7 +565,7 @@ def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress,
 
 
 def _local_fits(
-    data: Study, at: Candidate, here: GoodnessOfFit, found: Sequence[Screened], progress: Progress
+    data: Study, at: Candidate, found: Sequence[Screened], progress: Progress, *, here: GoodnessOfFit
 ) -> list[CandidateFit]:
     """Fits of the best, until one misses nothing and the next promised less than it by more than a score test may err."""
     tried: list[CandidateFit] = []
@@ -571,26 +582,20 @@ def _local_fits(
     return tried
 
 
-def _rough_fits(
-    data: Study, at: Candidate, here: GoodnessOfFit, found: Sequence[Screened], progress: Progress
-) -> list[CandidateFit]:
+def _rough_fits(data: Study, at: Candidate, found: Sequence[Screened], progress: Progress) -> list[CandidateFit]:
     """Fits of all that promise something over a coarse floor on few lines, and of the best of these good ones.
 
     They are for effects in which the model is nonlinear. The score test overrates these, so that a rough fit starts at its size
     and at a part of that.
     """
-    rough, promising = list[tuple[Added, Fit]](), _most_promising(found)
-    for done, one in enumerate(promising):
-        progress(f"trying {one.id} from afar", done / (len(promising) + FEW))
-        problem = data.problem((*at.effects, one.added)).sparser(STRIDE)
-        starts = [beginning(data, one.added) if one.begin is None else one.begin.by_name]
+    begins = list[tuple[Added, list[Mapping[str, float]]]]()
+    for one in _most_promising(found):
+        starts: list[Mapping[str, float]] = [beginning(data, one.added) if one.begin is None else one.begin.by_name]
         if one.begin is None and starts[0] and not is_resonator(one.added.named):
             starts.append({name: FROM_AFAR * x for name, x in starts[0].items()})
-        enough = rough[FEW - 1][1].cost + SCREENING_MARGIN if len(rough) >= FEW else inf
-        fits = [child(problem, FITTED, at.fit, begin, from_afar=True, worth=enough) for begin in starts]
-        rough.append((one.added, min(fits, key=lambda fit: fit.cost)))
-        rough.sort(key=lambda each: -each[1].log_evidence)
-    return [candidate_fit(at, fit_with(data, at, added, begin=begin)) for added, begin in rough[:FEW]]
+        begins.append((one.added, starts))
+    nearest = _along_few_lines(data, at, begins, partial(child, from_afar=True), progress)[:FEW]
+    return [candidate_fit(at, fit_with(data, at, added, begin=begin)) for added, begin in nearest]
 
 
 def _fits_in_band(
@@ -622,7 +627,7 @@ def _restarted_where_stuck(
     if at.effects:  # what a straight line does not promise, as what gives at a rigid joint, is seen beside what is known
         fitted = {one.id for one in ranked} | {one.named.id for one in begins}
         asked = [one.added for one in found if one.id not in fitted and seen_from_afar(one.added)]
-        begins += [added for _, added, _ in _nearest_by_lines(data, at, asked, progress)[:FEW]]
+        begins += [added for added, _ in _nearest_by_lines(data, at, asked, progress)[:FEW]]
     for added in begins:
         progress(f"trying {added.named.id} afresh", 0.8)
         ranked.append(candidate_fit(at, restarted_from_priors(data, at, added, worth=worth(at, ranked))))

@@ -19,7 +19,7 @@ from fem.structure import Structure, position_of
 from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.frames import Array
 from validation.effects.catalogue import FAMILIES, Named, There, acts, there
-from validation.effects.effect import BODY_STAGE, CHANNEL_STAGE, OPENED, STRUCTURE_STAGE, Family, SizeSpec, position
+from validation.effects.effect import BODY_STAGE, CHANNEL_STAGE, OPENED, STRUCTURE_STAGE, SizeSpec, position
 from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicMass, Shares
 from validation.estimation.problem import DECLARED, EFFECT, STRUCTURAL, WITHIN, Offsets, Parameter, Wanted, is_wanted
 from validation.model.model import Added, StructureTolerances
@@ -531,7 +531,7 @@ def plausible(of: Nuisances, named: Named, size: SizeSpec) -> float:
     structure."""
     modes = of.nominal.base + np.arange(len(of.frequency))
     drawn = of.nominal.base and of.reduced is None  # an article of the catalogue, by whose sizes it goes
-    if drawn or not len(modes) or size.logarithmic or _family(named).stage != STRUCTURE_STAGE:
+    if drawn or not len(modes) or size.logarithmic or FAMILIES[named.family].stage != STRUCTURE_STAGE:
         return size.plausible
     step = min(NEXT_TO_NOTHING * size.plausible, COARSE * _straight(_with(named, size, size.null), of.nominal, inf))
     before, after = (_changed(_with(named, size, size.null + one), of.nominal) for one in (0.0, step))
@@ -576,7 +576,7 @@ BY_ITSELF = (STRUCTURE_STAGE, CHANNEL_STAGE, OPENED)
 
 def reaching(effects: Sequence[Added], there: There) -> tuple[Added, ...]:
     """Those of `effects` that act on a structure by itself, of which `there` says what it has."""
-    return tuple(one for one in effects if _family(one.named).stage in BY_ITSELF and acts(one.named, there))
+    return tuple(one for one in effects if FAMILIES[one.named.family].stage in BY_ITSELF and acts(one.named, there))
 
 
 def there_of(configuration: str, of: Nuisances, channels: tuple[str, ...]) -> There:
@@ -590,7 +590,7 @@ def opened(parameters: Sequence[Parameter], effects: Sequence[Added]) -> tuple[t
 
     A parameter by the name of an effect leaves its tolerance; that of a fixed effect leaves the list.
     """
-    by_name = {added.named.id: added for added in effects if _family(added.named).stage == OPENED}
+    by_name = {added.named.id: added for added in effects if FAMILIES[added.named.family].stage == OPENED}
     left, known = [], {}
     for one in parameters:
         added = by_name.get(one.name)
@@ -602,7 +602,7 @@ def opened(parameters: Sequence[Parameter], effects: Sequence[Added]) -> tuple[t
             (size,) = added.named.sizes
             start = one.offset(added.named.value)
             low, high = bounds(one, size)
-            if _family(added.named).limits is not None:  # which the parameter has from the structure
+            if FAMILIES[added.named.family].limits is not None:  # which the parameter has from the structure
                 low, high = max(low, one.low), min(high, one.high)
             left.append(
                 replace(one, tolerance=one.plausible or size.plausible, kind=EFFECT, start=start, within=inf, low=low, high=high)
@@ -624,21 +624,18 @@ def structure(
         stage = replace(stage, parts=parts)
         after = _changed(added.named, stage)
         read, n = frozenset(parts.read), len(stage.mass)
-        counts = [np.count_nonzero(one.structural) for one in (stage, after)]
-        lossy = counts[0] != counts[1] or not np.array_equal(after.structural[:n, :n], stage.structural)
+        lossy = not np.array_equal(after.structural[:n, :n], stage.structural)
         for key, tangent in found.items() if read and not _is_nothing(added.named) else ():
             if (met := read & {*tangent.parts}) or (lossy and (tangent.lossier is not None or tangent.losses)):
                 below, above = (_changed(added.named, _moved(stage, drawn, tangent, met, side)) for side in (-COARSE, COARSE))
                 told = plus(tangent, between(below, above, 2 * COARSE), len(after.mass))
-                kept = replace(told, lossier=tangent.lossier, losses=tangent.losses)
-                found[key] = kept if met else replace(kept, parts=tangent.parts)
+                found[key] = told if met else replace(told, parts=tangent.parts)
         for size in _free(added):
             if not is_wanted(name(added.named, size.key), derivatives):
                 continue
-            named = added.named
-            value, scale, slope = _scale(named, size)
-            step = COARSE * _straight(named, stage, scale)
-            below, above = (_changed(_with(named, size, value + side * step), stage) for side in (-1, 1))
+            value, scale, slope = _scale(added.named, size)
+            step = COARSE * _straight(added.named, stage, scale)
+            below, above = (_changed(_with(added.named, size, value + side * step), stage) for side in (-1, 1))
             found[name(added.named, size.key)] = between(below, above, 2 * step / slope)
         stage = after
     return stage, found
@@ -691,10 +688,6 @@ def channels_pass(effects: Sequence[Added]) -> bool:
     return all(_is_nothing(added.named) for added in _of(effects, CHANNEL_STAGE))
 
 
-def _family(named: Named) -> Family:
-    return FAMILIES[named.family]
-
-
 def _is_nothing(named: Named) -> bool:
     """Whether it stands at the size at which its equation changes nothing, so that derivatives pass as they are."""
     sizes = named.fitted_sizes
@@ -702,12 +695,12 @@ def _is_nothing(named: Named) -> bool:
 
 
 def _of(effects: Sequence[Added], stage: str) -> Iterator[Added]:
-    return (added for added in effects if _family(added.named).stage == stage)
+    return (added for added in effects if FAMILIES[added.named.family].stage == stage)
 
 
 def _free(added: Added) -> tuple[SizeSpec, ...]:
     """Sizes that a fit may move; none of an opened effect, whose parameter is somebody else's."""
-    if added.fixed or _family(added.named).change is None:
+    if added.fixed or FAMILIES[added.named.family].change is None:
         return ()
     return added.named.fitted_sizes
 
@@ -751,8 +744,7 @@ def bounds(one: Parameter, size: SizeSpec) -> tuple[float, float]:
 
 
 def _changed(named: Named, stage: Any) -> Any:
-    change = _family(named).change
-    if change is None:
+    if (change := FAMILIES[named.family].change) is None:
         raise ValueError(f"`{named.id}` has no equation")
     return change(stage, named.targets, named.values)
 
@@ -769,7 +761,7 @@ def _scale(named: Named, size: SizeSpec) -> tuple[float, float, float]:
 
 def _straight(named: Named, stage: Any, scale: float) -> float:
     """`scale` of a size, or less where the equation is no straight line over a small part of that."""
-    straight = _family(named).straight
+    straight = FAMILIES[named.family].straight
     return scale if straight is None else min(scale, straight(stage, named.targets, named.values))
 
 

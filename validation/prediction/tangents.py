@@ -90,10 +90,10 @@ def between(before: Matrices, after: Matrices, step: float) -> Tangent:
 
 
 def plus(one: Tangent, other: Tangent, size: int) -> Tangent:
-    """The sum of both, on matrices of `size`, with the shares of parts of the `other`."""
+    """The sum of both, on matrices of `size`, with the shares of parts of the `other`, and the losses that grow of the `one`."""
     some = [name for name in FIELDS if getattr(one, name).any() or getattr(other, name).any()]
     whole = {name: full(one, name, size) + full(other, name, size) for name in some}
-    return of_arrays(size, other.parts, **whole)
+    return replace(of_arrays(size, other.parts, **whole), lossier=one.lossier, losses=one.losses)
 
 
 def full(tangent: Tangent, name: str, size: int) -> Array:
@@ -232,7 +232,7 @@ def with_losses_by_mode(
         inner = 2 * NEIGHBOURS**2 * apart * parted / (apart**2 + NEIGHBOURS**2) ** 2 * lost
         inner += weight * (more + Z.T @ lost + lost @ Z) - Z.T @ coupled - coupled @ Z
         less = placed(share * inner)
-        found[name] = replace(plus(tangent, less, size), parts=tangent.parts, lossier=tangent.lossier)
+        found[name] = replace(plus(tangent, less, size), parts=tangent.parts)
     if derivatives:
         found[LOSS_COUPLING] = plus(found[LOSS_COUPLING], away, size) if LOSS_COUPLING in found else away
     return replace(matrices, viscous=matrices.viscous + share * full(away, "viscous", size)), found

@@ -72,6 +72,9 @@ ANSWERS = 3
 PULLED = 1.5
 """Up to so far above the band the losses of modes are answered, too."""
 
+PASSED = 1.2
+"""[end of the band] up to which a shaker drives, and beyond which a recorder's filter falls to nothing at half its rate."""
+
 BLOWS, BLOCKS = 4, 30
 RINGS_DOWN = 7.0
 """[1] Natural logarithm of what is left of the slowest mode at the end of a block."""
@@ -457,18 +460,14 @@ def simulate(plan: StructurePlan) -> StructureTest:
         read = _heard(plan, names, gains, f, lab, rows, forces)
         A = read[:, :-1] / read[:, -1:]
         rng, share = plan.drawn("noise"), plan.noise * NOISE[FUNCTIONS]
-        scatter = rng.standard_normal((2, *A.shape))
-        usual = np.median(np.abs(A), axis=0, keepdims=True)
+        scatter, usual = rng.standard_normal((2, *A.shape)), np.median(np.abs(A), axis=0, keepdims=True)
         level = np.hypot(np.abs(A), np.maximum(usual, DEAF * usual.max(axis=1, keepdims=True)))
         A = A + share * level * (scatter[0] + 1j * scatter[1]) / np.sqrt(2)
-        signals = {
-            f"functions-{k + 1}.h5": Signals(
-                source="virtual test", frequency=f, samples={name: A[:, c, k] for c, name in enumerate(points)}
-            )
-            for k in range(len(forces))
-        }
-        share_stated = {"share": share} if share else {}
-        return StructureTest(table={**about, **share_stated, **_files(plan, signals)}, signals=signals, truth=truth)
+        read_of = (dict(zip(points, A[:, :, k].T, strict=True)) for k in range(len(forces)))
+        made = (Signals(source="virtual test", frequency=f, samples=samples) for samples in read_of)
+        signals = {f"functions-{k}.h5": one for k, one in enumerate(made, 1)}
+        about |= {"share": share} if share else {}
+        return StructureTest(table={**about, **_files(plan, signals)}, signals=signals, truth=truth)
     rate = 4.0 * plan.band[1]
     size = 2 * round(block * rate / 2)
     signals = {}
@@ -491,7 +490,7 @@ def simulate(plan: StructurePlan) -> StructureTest:
             count = size * BLOCKS
             spectrum = rng.standard_normal(count // 2 + 1) + 1j * rng.standard_normal(count // 2 + 1)
             lines = np.fft.rfftfreq(count, 1 / rate)
-            spectrum *= (lines > 0.3 * plan.band[0]) & (lines < 1.2 * plan.band[1])
+            spectrum *= (lines > 0.3 * plan.band[0]) & (lines < PASSED * plan.band[1])
             force = np.fft.irfft(spectrum, count)
             force *= 10 / np.std(force)
             record = _answered(plan, names, gains, force, rate, lab, rows, [forces[k]], slowest)
@@ -642,14 +641,16 @@ def _answered(
     forces: Sequence[Array],
     slowest: float,
 ) -> Array:
-    """(n, c + 1) what is recorded of `force` (n,), long zeros behind it so that nothing comes round."""
-    count = len(force)
-    ring = count + round(7.0 / slowest * rate)  # e^-7 is a thousandth
-    whole = 1 << max(ring - 1, 1).bit_length()
+    """(n, c + 1) what is recorded of `force` (n,), long zeros behind it so that nothing comes round.
+
+    A recorder lets nothing near half its rate pass: of a blow that comes late by a part of a sample that would ring for ever.
+    """
+    whole = 1 << max(len(force) + round(RINGS_DOWN / slowest * rate) - 1, 1).bit_length()
     lines = np.asarray(np.fft.rfftfreq(min(whole, 1 << 20), 1 / rate), dtype=np.float64)
     read = _heard(plan, names, gains, lines, lab, rows, forces)[:, :, 0]
-    spectrum = np.fft.rfft(force, min(whole, 1 << 20))
-    return np.asarray(np.fft.irfft(read * spectrum[:, None], axis=0)[:count])
+    above = np.clip((lines / plan.band[1] - PASSED) / (rate / (2 * plan.band[1]) - PASSED), 0.0, 1.0)
+    spectrum = np.fft.rfft(force, min(whole, 1 << 20)) * np.cos(np.pi / 2 * above) ** 2
+    return np.asarray(np.fft.irfft(read * spectrum[:, None], axis=0)[: len(force)])
 
 
 def _table(plan: StructurePlan, lab: TestedStructure, rows: Sequence[Array]) -> dict[str, Any]:

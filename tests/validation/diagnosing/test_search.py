@@ -251,9 +251,9 @@ def test_beside_another_effect_what_no_straight_line_promises_is_sought_on_few_l
     )
     right = replace(of, id=rigid[0].id, evidence=2700.0, candidate=SimpleNamespace(effects=(rigid[0].added,)))
 
-    def nearest(data: object, at: object, menu: Sequence[Added], tell: object) -> list[tuple[float, Added, dict[str, float]]]:
+    def nearest(data: object, at: object, menu: Sequence[Added], tell: object) -> list[tuple[Added, Fit]]:
         asked.extend(one.named.id for one in menu)
-        return [(1.0, one, {}) for one in menu]
+        return [(one, HERE.fit) for one in menu]
 
     monkeypatch.setattr(search, "_nearest_by_lines", nearest)
     in_place(monkeypatch, "restarted_from_priors", lambda bench, at, added, **_: added)
@@ -625,6 +625,23 @@ def test_a_layer_is_named_where_it_loses_more_than_its_own_tolerance_hides(tmp_p
         assert abs(size.value / loss - 1) < 0.3
         wide.append(size.high - size.low)
     assert wide[1] < 0.6 * wide[0] < 0.3 * loss
+
+
+@pytest.mark.parametrize("far", [True, False])
+def test_from_afar_faults_of_sensors_are_asked_too_of_which_no_tolerance_is_in_the_fit(monkeypatch, far):
+    """Of a bracket under a hammer whose force came late, and of pick-ups of 5 g that rove, no fit of the model as it is ended,
+    and none but effects on the structure were asked."""
+    view, asked = SimpleNamespace(marks=(1,), far=far, nearest=lambda menu, most: []), list[str]()
+    monkeypatch.setattr(search, "DistantView", lambda marks: view)
+    monkeypatch.setattr(search, "Landmark", SimpleNamespace(of_tests=lambda predictions: ()))
+    monkeypatch.setattr(search, "_nearest_by_lines", lambda data, at, menu, tell: asked.extend(x.named.id for x in menu) or [])
+    monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: stands(False))
+    texts = ("point-mass:mast-top=0.1", "transducer-mass=0.005", "accelerometer-gain:table-x1=0.05", "exponential-window=3")
+    menu = [one.added for one in screened(*texts)]
+    at: Any = SimpleNamespace(fit=SimpleNamespace(by_name={menu[2].named.id: 0.0}), effects=(), problem=None)
+    data: Any = SimpleNamespace(made=(), predictions=())
+    search.step_from_afar(data, at, menu, lambda what, share: None)
+    assert asked == [one.named.id for one in (*menu[: not far], menu[1], menu[3])]
 
 
 @pytest.mark.proof  # ten times as long as the refusal that test_diagnosed.py holds

@@ -219,6 +219,20 @@ def test_without_noise_and_tolerances_a_base_test_is_what_its_own_model_predicts
         assert np.abs(away[:, others]).max(axis=0) == pytest.approx(0, abs=1e-5 * np.abs(values[:, others]).max())
 
 
+def test_a_blow_that_comes_late_by_a_part_of_a_sample_is_late_by_that_at_every_line(on_base: Path, run: Any) -> None:
+    """It rang to the end of its block, force windows took that off, and phases were off by 2.5 % of the delay."""
+    read, late = [], 3e-4
+    for effects in ((), ("--effect", f"force-delay:force={late}")):
+        code, _, err = run(*asked("hammer", "--tolerances", "off", "--noise", "off", *effects, "--out", f"test-{len(read)}"))
+        assert code == 0, err
+        (of,) = Study.open(on_base, [f"test-{len(read)}/test.toml"]).predictions
+        read.append(of.measured)
+    phase = np.angle(read[1].values / read[0].values)
+    due = 2 * np.pi * read[0].frequency[:, None] * late
+    loud = np.abs(read[0].values) > 0.01 * np.abs(read[0].values).max(axis=1, keepdims=True)
+    assert np.abs(phase / due - 1)[loud].max() < 0.002
+
+
 def test_pick_ups_on_matrices_without_points_are_said_where_nothing_else_tells_of_the_article(
     on_base: Path, run: Any, refused: Any
 ) -> None:
