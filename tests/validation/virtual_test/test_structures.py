@@ -348,7 +348,7 @@ def test_a_single_axis_shaker_of_a_structure_has_one_pilot_and_says_how_large_th
 
 def test_delays_within_their_tolerance_fail_no_plain_fit_and_what_nobody_measured_is_no_spot(on_base: Path, run: Any) -> None:
     """20 us turn 2 kHz by a quarter, which no plain fit moves: it went to its bounds, and sound tests had spots of 4 sigma."""
-    assert run(*asked("base", "--axis", "x", "--cross", "0.02", "--band", "200", "2000", "--seed", "3", "--out", "test"))[0] == 0
+    assert run(*asked("base", "--axis", "x", "--cross", "0.02", "--band", "1000", "2000", "--seed", "3", "--out", "test"))[0] == 0
     found = compared(Study.open(on_base, ["test"]))
     plain, of = found.evaluation.plain_fit, found.maps[0]
     assert by_chance(plain.chi2, plain.degrees_of_freedom)
