@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.sparse.linalg import splu
 
 from fem.mesh import model
 from geometry.sensors import Point
@@ -37,11 +38,12 @@ def strike(description: Path, path: Path, drive: int = 2) -> None:
     assert structure.elements is not None
     elements, tags = structure.elements, structure.elements.node_tags.tolist()
     at = [int(elements.own[elements.first[tags.index(node)] + axis]) for node, axis in (*READ.values(), (drive, 2))]
-    K, M = structure.stiffness.toarray(), structure.mass.toarray()
+    K, M = structure.stiffness.tocsc(), structure.mass.tocsc()
     lines = np.arange(5.0, 80.0, 0.25)
-    unit = np.eye(len(K))[at[-1]]
+    unit = np.zeros(K.shape[0], dtype=complex)
+    unit[at[-1]] = 1.0
     w = 2 * np.pi * lines
-    answers = np.array([-(one**2) * np.linalg.solve((1 + 1j * LOSS) * K - one**2 * M, unit)[at[:-1]] for one in w])
+    answers = np.array([-(one**2) * splu((1 + 1j * LOSS) * K - one**2 * M).solve(unit)[at[:-1]] for one in w])
     named = {name: Point(place=f"node {node}", direction=np.eye(3)[axis], name=name) for name, (node, axis) in READ.items()}
     test = ResponseFunctions(
         source=path.name,

@@ -35,7 +35,7 @@ from validation.prediction.structure import by_itself
 from validation.prediction.structure_tests import OnNodes
 from validation.study import Study, read_tests
 
-LINES = 80
+LINES = 40
 ANYWHERE = Vocabulary(places=None)
 
 

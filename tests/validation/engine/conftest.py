@@ -55,8 +55,9 @@ class Toy:
         return Change(channels=channels, rows=self._shaped(slope[:, channels, :]))
 
     def _rows(self, offsets, lines):
+        known = {p.name: p for p in self.parameters}
+
         def value(name, absent):
-            known = {p.name: p for p in self.parameters}
             return known[name].value(offsets.get(name, 0.0)) if name in known else absent
 
         f = self.measured.frequency[lines]

@@ -90,12 +90,22 @@ def study(sheet: Structure, tmp_path: Path, run: Callable[..., Any]) -> Callable
     return written
 
 
-@pytest.mark.parametrize("left", [0.01, 0.005])
+OF_PARTS = tuple(word for family in ("modulus", "thickness", "mass") for word in ("--candidate", family))
+
+
+@pytest.mark.parametrize(
+    ("left", "only"),
+    [
+        pytest.param(0.01, OF_PARTS, id="0.01"),
+        pytest.param(0.005, OF_PARTS, id="0.005"),
+        pytest.param(0.01, (), id="0.01 beside all families", marks=pytest.mark.proof),
+    ],
+)
 def test_what_is_left_of_a_part_is_named_alone_beside_exact_data(
-    left: float, study: Callable[[float], str], answer: Callable[..., Any]
+    left: float, only: tuple[str, ...], study: Callable[[float], str], answer: Callable[..., Any]
 ) -> None:
     """On the coordinates of the whole one two thicknesses were named in part, and at half of it the fit did not converge."""
-    found = answer("diagnose", study(left))
+    found = answer("diagnose", study(left), *only)
     (one,) = found["accepted"]
     assert (found["verdict"], one["id"]) == ("missing", "modulus:2")
     assert 1 + one["interval90"][0] < left < 1 + one["interval90"][1]
