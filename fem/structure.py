@@ -150,6 +150,9 @@ FAR = 2.0
 OUTSIDE = 0.1
 """[share] and than this of the size of the structure. By definition."""
 
+BRING = "bring what all rows do there as an array places/NAME (3 x n) of its file"
+"""What to do where nodes do not tell how a place moves, as modal coordinates bend it, too."""
+
 
 def place_rows(
     structure: Structure, points: npt.ArrayLike, source: str = "the structure", field: str = "place", *, riding: bool = False
@@ -163,7 +166,7 @@ def place_rows(
     Raises
     ------
     BadInput : the structure knows no nodes, or a point, `field` of the `source`, lies outside its mesh or, unless it is `riding`
-        along with the nearest one, far from its nodes.
+        along with the nearest one, far from its nodes, sooner where rows of no node, such as modal coordinates, bend it, too.
     """
     from scipy.sparse import csr_array
 
@@ -178,12 +181,17 @@ def place_rows(
     at = np.asarray(points, dtype=np.float64).reshape(-1, 3)
     away, near = cKDTree(structure.points).query(at, k=min(NEIGHBOURS, len(structure.points)))
     found, n, wide = [], structure.mass.shape[0], np.ptp(structure.points, axis=0).max()
+    unplaced = not structure.rigid.any(axis=1).all()  # rows of no node, which no rigid motion moves: modal coordinates
     for point, distances, nodes in zip(at, away.reshape(len(at), -1), near.reshape(len(at), -1), strict=True):
         first, arm = nodes[0], point - structure.points[nodes[0]]
         far = distances[0] > OUTSIDE * wide and not riding
-        if far and distances[0] > FAR * (nearest_node(structure, point)[2] or np.inf):  # gaps of all nodes are dear
-            problem, remedy = f"lies {distances[0]:.4g} m outside of the structure", ", ".join(f"{x:.6g}" for x in point - arm)
-            raise BadInput(source=source, field=field, problem=problem, remedy=f"The nearest node is at ({remedy}) m")
+        if far and (unplaced or distances[0] > FAR * (nearest_node(structure, point)[2] or np.inf)):  # gaps of all are dear
+            nearest = "The nearest node is at ({}) m".format(", ".join(f"{x:.6g}" for x in point - arm))
+            problem, remedy = f"lies {distances[0]:.4g} m outside of the structure", nearest
+            if unplaced:
+                problem = f"lies {distances[0]:.4g} m from all nodes, and rows that are of none of these move it, too"
+                remedy = f"{nearest}; {BRING}"
+            raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
         turning = structure.rotations[first] if len(structure.rotations) else np.full(3, -1)
         if np.all(turning >= 0):
             rows, values = np.append(structure.translations[first], turning), np.hstack([np.eye(3), -skew(arm)])

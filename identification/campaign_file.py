@@ -22,7 +22,7 @@ from geometry.atomic import write_text
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose, rotation_about
-from geometry.sensors import GROUPS, SI, Channel, ChannelTable, Place
+from geometry.sensors import AXES, GROUPS, SI, Channel, ChannelTable, Place
 from geometry.toml_file import doubts, length_unit, string
 from identification import campaign as campaigns
 from identification.files import files
@@ -151,7 +151,7 @@ class Reader:
     def vector(self, value: Any, where: str, scale: float = 1.0) -> Array | None:
         """Three numbers times `scale`."""
         if not isinstance(value, list) or len(value) != 3 or not all(map(is_number, value)):
-            self.refuse(where, f"must be three finite numbers, found {value!r}", "Write it like [0.1, 0.0, 0.03]")
+            self.refuse(where, f"must be three finite numbers, found {value!r}", "Write it like [0, 0, 1]")
             return None
         return np.array(value, dtype=np.float64) * scale
 
@@ -224,8 +224,10 @@ class Reader:
         for key in ("position", "direction"):
             if key not in entry:
                 self.refuse(f"{where}.{key}", "is missing", "Add it")
+        along = entry.get("direction")
+        axes = {"direction": list(AXES[along])} if isinstance(along, str) and along in AXES else {}
         position, direction = (
-            self.vector(entry[key], f"{where}.{key}", scale) if key in entry else None
+            self.vector({**entry, **axes}[key], f"{where}.{key}", scale) if key in entry else None
             for key, scale in (("position", metres), ("direction", 1.0))
         )
         if position is None or direction is None or len(self.problems.found) > before:

@@ -139,7 +139,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
         raise BadInput(source=source, field="shapes", problem=problem, remedy="Leave that mode's shape out, or correct it")
     if shapes is not None and len(points) == 1:
         warnings.append(f"shapes at {points[0].name} alone say nothing, since each is known up to a factor; they are left out")
-        shapes, deviation, points = None, None, ()
+        shapes, deviation = None, None  # its place is one of the structure all the same
     if shapes is not None and deviation is None:
         largest = np.abs(shapes).max(axis=1, keepdims=True) * np.ones(shapes.shape)
         name = "shapes_deviation"

@@ -263,7 +263,7 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
     for one in pieces:
         pair = (one.drive.name, one.response.name)
         if pair in by_pair:
-            problem = f"is in {by_pair[pair].source} as well"
+            problem = "is there twice" if by_pair[pair].source == one.source else f"is in {by_pair[pair].source} as well"
             remedy = "Leave one of them out"
             raise BadInput(source=one.source, field=f"{pair[1]} over {pair[0]}", problem=problem, remedy=remedy)
         by_pair[pair] = one

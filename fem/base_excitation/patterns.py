@@ -354,12 +354,9 @@ def require_below_nyquist(pattern: Pattern, sampling_rate: float) -> None:
     BadInput : `pattern` goes beyond half of `sampling_rate` [Hz].
     """
     if pattern.highest >= sampling_rate / 2:
-        raise BadInput(
-            source=pattern.label,
-            field="sampling_rate",
-            problem=f"must be above twice the highest frequency driven, {pattern.highest:.4g} Hz, found {sampling_rate:g} Hz",
-            remedy="Sample faster or stop the excitation lower",
-        )
+        problem = f"must be above twice the highest frequency driven, {pattern.highest:.4g} Hz, found {sampling_rate:g} Hz"
+        remedy = "Sample faster or stop the excitation lower"
+        raise BadInput(source=pattern.label, field="sampling_rate", problem=problem, remedy=remedy)
 
 
 # Noise of one level over a band as a sum of equally strong lines of random phase, evaluated by FFT with exact derivatives.

@@ -243,12 +243,9 @@ def require_fine(article: FlexibleBody, sampling_rate: float) -> None:
     highest = float(article.kept.max(initial=0.0))
     if sampling_rate < COARSEST * highest:
         where = "beyond half the sampling rate" if 2 * highest > sampling_rate else "sampled too coarsely"
-        raise BadInput(
-            source=f"simulation of {article.name}",
-            field="sampling_rate",
-            problem=f"the highest kept mode, {highest:.4g} Hz, is {where}, found {sampling_rate:g} Hz",
-            remedy=f"Simulate at {np.ceil(COARSEST * highest):.0f} Hz or more, or keep fewer modes",
-        )
+        problem = f"the highest kept mode, {highest:.4g} Hz, is {where}, found {sampling_rate:g} Hz"
+        remedy = f"Simulate at {np.ceil(COARSEST * highest):.0f} Hz or more, or keep fewer modes"
+        raise BadInput(source=f"simulation of {article.name}", field="sampling_rate", problem=problem, remedy=remedy)
 
 
 # Whether a run stays where the linear equations hold: "rotational amplitudes and velocities sufficiently small" (paper 2.1).
@@ -497,12 +494,9 @@ def require_recorded(highest: float, rate: float, source: str) -> None:
     if highest > pass_band(rate):
         nyquist = f"Nyquist frequency of {rate / 2:g} Hz"
         limit = nyquist if highest >= rate / 2 else f"pass-band of the anti-alias filter, {pass_band(rate):g} Hz"
-        raise BadInput(
-            source=source,
-            field="rate",
-            problem=f"it drives up to {highest:.4g} Hz, beyond the {limit}, that a record of {rate:g} Hz has",
-            remedy=f"Record at {2 * highest / PASS:.4g} Hz or more, or stop the excitation lower",
-        )
+        problem = f"it drives up to {highest:.4g} Hz, beyond the {limit}, that a record of {rate:g} Hz has"
+        remedy = f"Record at {2 * highest / PASS:.4g} Hz or more, or stop the excitation lower"
+        raise BadInput(source=source, field="rate", problem=problem, remedy=remedy)
 
 
 @overload
@@ -760,12 +754,9 @@ def _factor(simulated: float, rate: float) -> int:
     if abs(simulated / rate - factor) > 1e-9 * factor:
         less, more = simulated / (int(simulated / rate) + 1), simulated / max(1, int(simulated / rate))
         below = f"Record at {less:g} or {more:g} Hz" if rate < simulated else f"Record at {simulated:g} Hz or less"
-        raise BadInput(
-            source="decimation",
-            field="rate",
-            problem=f"the simulation's {simulated:g} Hz must be a whole multiple of it, found {rate:g} Hz",
-            remedy=f"{below}, or simulate at {simulation_rate(rate, simulated):g} Hz",
-        )
+        problem = f"the simulation's {simulated:g} Hz must be a whole multiple of it, found {rate:g} Hz"
+        remedy = f"{below}, or simulate at {simulation_rate(rate, simulated):g} Hz"
+        raise BadInput(source="decimation", field="rate", problem=problem, remedy=remedy)
     return factor
 
 

@@ -225,12 +225,9 @@ def flexible(name: str, structure: Structure, modes: Modes, *, places: Places = 
         size = float(np.linalg.norm(np.ptp(structure.points, axis=0))) if len(distance) else 0.0
         if distance.min(initial=np.inf) > NEAR * size:
             found = f"the nearest is {1e3 * distance.min():.1f} mm away" if len(distance) else "it has none"
-            raise BadInput(
-                source=f"body {name}",
-                field=f"places.{place}",
-                problem=f"a point whose motion is known must lie within {1e3 * NEAR * size:.1f} mm, and {found}",
-                remedy="Give a place on the structure, in the article's frame in metres",
-            )
+            problem = f"a point whose motion is known must lie within {1e3 * NEAR * size:.1f} mm, and {found}"
+            remedy = "Give a place on the structure, in the article's frame in metres"
+            raise BadInput(source=f"body {name}", field=f"places.{place}", problem=problem, remedy=remedy)
         shapes = reduced.basis[structure.translations[int(np.argmin(distance))], 6:]
         rows[place] = np.hstack([rigid_transformation(point), shapes])
     return FlexibleBody(name=name, reduced=reduced, kept=modes.frequency, places=rows)
@@ -253,12 +250,9 @@ def of_modal_data(name: str, modes: Modes) -> FlexibleBody:
     M = modes.rigid_mass - modes.participation @ modes.participation.T
     share = float(eigh(M, modes.rigid_mass, eigvals_only=True)[0])
     if share < -EXCESS:
-        raise BadInput(
-            source=f"body {name}",
-            field="participation",
-            problem=f"its modes must not move more mass than the body has, found {-share:.3g} of it too much in some direction",
-            remedy="Check the units of the participation, and that it and the rigid mass have one reference point",
-        )
+        problem = f"its modes must not move more mass than the body has, found {-share:.3g} of it too much in some direction"
+        remedy = "Check the units of the participation, and that it and the rigid mass have one reference point"
+        raise BadInput(source=f"body {name}", field="participation", problem=problem, remedy=remedy)
     M = M + EXCESS * modes.rigid_mass
     mu, V = eigh(modes.residual, M)
     highest = 2 * np.pi * modes.frequency.max(initial=0.0)

@@ -220,12 +220,8 @@ def _rigid_pieces(blades: Sequence[str], d: Dimensions) -> list[_Rigid]:
     edges = [d["flange"]["height"], *(edge for piece in pieces for edge in (piece.bottom, piece.top))]
     for lower, upper in pairwise(edges):
         if upper < lower:
-            raise BadInput(
-                source="clumod.toml",
-                field="blade.z",
-                problem=f"hubs must lie on the mast and apart, found {1e3 * lower:g} mm above {1e3 * upper:g} mm",
-                remedy="Move the blade or make its hub lower",
-            )
+            problem = f"hubs must lie on the mast and apart, found {1e3 * lower:g} mm above {1e3 * upper:g} mm"
+            raise BadInput(source="clumod.toml", field="blade.z", problem=problem, remedy="Move the blade or make its hub lower")
     return pieces
 
 
@@ -284,12 +280,9 @@ def _ports(joint: Joint, d: Dimensions, nodes: Array) -> Ports:
     chosen = tuple(nearest_node(place(port, d), nodes) for port in joint.ports)
     carried = np.abs(joint.stiffness @ rigid_motion(nodes[list(chosen)])).max(initial=0)
     if carried > RIGID_ROUNDING * np.abs(joint.stiffness).max(initial=0):
-        raise BadInput(
-            source="joint of Clumod",
-            field="stiffness",
-            problem=f"must let its ports move together rigidly, found a force or moment of {carried:.3g} for a unit motion",
-            remedy="Check that the ports lie where the local model has them, in Clumod's axes",
-        )
+        problem = f"must let its ports move together rigidly, found a force or moment of {carried:.3g} for a unit motion"
+        remedy = "Check that the ports lie where the local model has them, in Clumod's axes"
+        raise BadInput(source="joint of Clumod", field="stiffness", problem=problem, remedy=remedy)
     return Ports(nodes=chosen, stiffness=joint.stiffness, mass=mass, part=joint.part)
 
 

@@ -161,12 +161,8 @@ def require_positive(**sizes: float) -> None:
     """Refuse a section with a size [m] that is not positive and finite."""
     for name, size in sizes.items():
         if not 0 < size < float("inf"):
-            raise BadInput(
-                source="section of a beam",
-                field=name,
-                problem=f"must be positive and finite, found {size:g} m",
-                remedy="Check the dimensions and their unit",
-            )
+            problem = f"must be positive and finite, found {size:g} m"
+            raise BadInput(source="section of a beam", field=name, problem=problem, remedy="Check the dimensions and their unit")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -323,12 +319,9 @@ def sandwich(
     """
     require_positive(width=width, thickness=thickness, layer_thickness=layer_thickness)
     if layer_thickness >= thickness:
-        raise BadInput(
-            source="section of a sandwich",
-            field="layer.thickness",
-            problem=f"must be less than the thickness of the blade {1e3 * thickness:g} mm, found {1e3 * layer_thickness:g} mm",
-            remedy="Make the layer thinner or the blade thicker",
-        )
+        problem = f"must be less than the thickness of the blade {1e3 * thickness:g} mm, found {1e3 * layer_thickness:g} mm"
+        remedy = "Make the layer thinner or the blade thicker"
+        raise BadInput(source="section of a sandwich", field="layer.thickness", problem=problem, remedy=remedy)
     s, t = layer_thickness, (thickness - layer_thickness) / 2
     d = t + s
     (E, G), (_, G_layer) = moduli(steel), moduli(layer)

@@ -651,12 +651,9 @@ def subdivision(rig: Rig, rate: float, solver: Solver) -> int:
     steps = least if solver.subdivision is None else solver.subdivision
     if steps < least or least > MOST:
         found = f"found {steps}" if steps < least else f"more than {MOST} of them"
-        raise BadInput(
-            source="solver",
-            field="subdivision",
-            problem=f"{highest(rig):.4g} Hz, the rig's highest frequency, needs {least} steps a sample, {found}",
-            remedy="Leave it out, soften the stiffest joint, or use generalised-alpha",
-        )
+        problem = f"{highest(rig):.4g} Hz, the rig's highest frequency, needs {least} steps a sample, {found}"
+        remedy = "Leave it out, soften the stiffest joint, or use generalised-alpha"
+        raise BadInput(source="solver", field="subdivision", problem=problem, remedy=remedy)
     require_fine(rig.article, rate * steps)
     return steps
 

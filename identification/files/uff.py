@@ -78,6 +78,11 @@ def blocks(content: bytes, source: str) -> list[Dataset]:
     return found
 
 
+def title(line: str, index: int) -> str:
+    """What the first id `line` calls a function; ``dataset 3`` where it is blank or NONE."""
+    return line.strip() if line.strip() not in ("", "NONE") else f"dataset {index + 1}"
+
+
 def column(line: str, start: int, width: int, kind: type[int] | type[float], what: str, source: str) -> float:
     """The number in columns `start` on of `line`.
 
@@ -116,7 +121,7 @@ def _function(content: bytes, place: int, identity: str, index: int, source: str
     for _ in range(HEADER):
         line, place = _line(content, place, source)
         lines.append(line)
-    name = lines[0].strip() or f"dataset {index + 1}"
+    name = title(lines[0], index)
     kind, count, even = (int(column(lines[6], start, 10, int, name, source)) for start in (0, 10, 20))
     if kind not in REAL + COMPLEX or even not in (0, 1) or count < 0:
         problem = f"has the ordinate data type {kind}, {count} values and abscissa spacing {even}, which no dataset 58 has"

@@ -330,7 +330,7 @@ def _nodes(
 
 def _function(block: Dataset, source: str, per_newton: float | None) -> Function | str:
     """A function, or in words what it is where it is none that is used; `per_newton` is [m/N] of dataset 164."""
-    name = block.lines[0].strip() or f"dataset {block.index + 1}"
+    name = uff.title(block.lines[0], block.index)
 
     def refused(problem: str, remedy: str) -> BadInput:
         return BadInput(source=source, field=name, problem=problem, remedy=remedy)
@@ -350,6 +350,8 @@ def _function(block: Dataset, source: str, per_newton: float | None) -> Function
     data, count, even = (int(column(block.lines[6], start, 10, int, name, source)) for start in (0, 10, 20))
     if kind == RESPONSE_FUNCTION and data not in uff.COMPLEX:
         raise refused("is real, and a complex response function is needed", "Export real and imaginary part")
+    if re.search(r"\bdb\b", block.lines[8][25:68].lower()):
+        raise refused("is labelled in dB, whose phase is no imaginary part", "Export real and imaginary part")
     axis = block.lines[7][47:67].strip().lower()
     hertz = 1 / (2 * np.pi) if "rad" in axis else 1e3 if axis == "khz" else 1.0
     if along not in (*UNSAID, FREQUENCY) or "rpm" in axis:

@@ -195,6 +195,14 @@ def test_what_is_wrong_is_named_with_what_was_found(old: str, new: str, field: s
     assert any(field in one.field and words in str(one) for one in found), [str(one) for one in found]
 
 
+def test_an_axis_is_a_direction_as_in_every_other_test() -> None:
+    """ "z", which all other files of tests take, "must be three finite numbers"; write it like [0.1, 0.0, 0.03]."""
+    stated = "direction = [1.0, 0.0, 0.0]\nreference"
+    assert not problems_of(CONTRACT.replace(stated, 'direction = "-x"\nreference', 1))
+    (said,) = problems_of(CONTRACT.replace(stated, 'direction = "w"\nreference', 1))
+    assert "[0, 0, 1]" in said.remedy
+
+
 def test_all_that_is_wrong_is_said_at_once() -> None:
     spoilt = CONTRACT.replace("format = 1", "format = 7").replace("m/s^2", "N").replace('axis = "x"', 'axis = "w"')
     assert {one.field for one in problems_of(spoilt)} == {"format", "channel.cover-1x.unit", "run.x.axis"}

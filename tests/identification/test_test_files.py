@@ -203,7 +203,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "unknown key": ({"file": "a.csv", "drive": "a", "bend": [1, 2]}, "band"),
     "unit of something else": ({"file": "a.csv", "drive": "a", "unit": "K"}, "none of acceleration"),
     "columns": ({"file": "a.csv", "drive": "a", "responses": ["a", "b", "c"]}, "columns"),
-    "twice": ({"files": [{"path": "a.csv", "drive": "a"}, {"path": "a.csv", "drive": "a"}]}, "as well"),
+    "twice": ({"files": [{"path": "a.csv", "drive": "a"}, {"path": "a.csv", "drive": "a"}]}, "is there twice"),
     "band": ({"file": "a.csv", "drive": "a", "band": [500, 600]}, "band"),
     "not finite": ({"file": "nan.csv", "drive": "a"}, "finite"),
     "file and files": ({"file": "a.csv", "files": [], "drive": "a"}, "one of `file` and `files`"),
@@ -266,6 +266,15 @@ def test_a_table_of_modes_that_cannot_be_used_is_refused_in_words(case: str, tmp
 
 READ_BEFORE = ["10 +/- 0.1 Hz", "16 +/- 0.2 Hz", "30 +/- 0.3 Hz"]
 BEFORE = {"format": 1, "kind": "modal-table", "article": "beam", "frequencies": READ_BEFORE}
+
+
+def test_a_lone_sensor_whose_shape_says_nothing_is_a_place_of_the_structure_all_the_same(tmp_path: Path) -> None:
+    """Its shape is left out; the sensor went with it, and a place that is misspelt was never looked at."""
+    table = {"kind": "modal-table", "article": "beam", "frequencies": [1.0, 2.0], "sensors": ["topp:y"], "shapes": [[1.0], [0.5]]}
+    found = test_file.read(tmp_path / "t.toml", table)
+    assert isinstance(found, ModalTable)
+    assert found.shapes is None
+    assert [one.place for one in found.sensors] == ["topp"]
 
 
 def toml_of(table: dict[str, Any]) -> str:

@@ -240,6 +240,17 @@ def test_modes_of_dataset_2414_are_a_table_and_what_else_it_holds_is_passed_over
         assert len(found.sensors) == 3
 
 
+def test_decibels_and_phase_are_no_real_and_imaginary_part(tmp_path: Path) -> None:
+    """Pairs of 20 log10 and degrees had been read as complex numbers, and compared: 88.5 % off, 645 sigma."""
+    with pytest.raises(BadInput, match=r"`dataset 1`: is labelled in dB.* Export real and imaginary part"):
+        read(tmp_path, function(over=(12, "dB")))
+
+
+def test_a_function_that_is_twice_in_one_file_is_not_in_that_file_as_well(tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match="is there twice"):
+        read(tmp_path, function(), function())
+
+
 def test_a_node_without_coordinates_of_its_own_type_is_refused(tmp_path: Path) -> None:
     (tmp_path / "n.unv").write_text(dataset(15, "         1         0         0         8  1.0  2.0"))
     with pytest.raises(BadInput, match="coordinates"):

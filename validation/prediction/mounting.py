@@ -16,7 +16,7 @@ import numpy.typing as npt
 from fem.base_excitation import rig
 from fem.damping import Damping, damping_per_mode, default_damping, is_assumed
 from fem.modes import Modes, fixed_base
-from fem.structure import ON_NODE, Structure, nearest_node
+from fem.structure import BRING, ON_NODE, Structure, nearest_node
 from fem.user_model.reading import UsersModel, is_model, load
 from geometry import routes
 from geometry.article import Article
@@ -224,7 +224,7 @@ def mounted_article(model: Model, campaign: Campaign, highest: float = 0.0) -> M
         positions=positions_on(model, own) if own else (),
     )
     found = _made(replace(recipe, sensors=tuple(dict.fromkeys(there.values()))))
-    why = [_unread(recipe, campaign.source, *one) for one in unread.items()]
+    why = [_unread(recipe, campaign.source, unread)] if unread else []
     said = (*said, *why, *_riding(recipe, campaign.source, there), *((OF_SENSORS,) if there else ()))
     return replace(found, pose=pose, sensors=there, unread=tuple(unread), remarks=said)
 
@@ -252,28 +252,31 @@ def _known(own: str, stamp: int, places: tuple[str, ...]) -> frozenset[str]:
 
 
 def _riding(recipe: "_Recipe", source: str, there: Mapping[str, str]) -> list[str]:
-    """What is to be said of the accelerometers that are `there` and beside a node, on a model without elements."""
+    """What is to be said of the accelerometers that are `there`, beside a node and at no named place, without elements."""
     model = users_model(recipe.own, recipe.stamp).model if recipe.own and recipe.kind != RIGID else None
     if not isinstance(model, Structure) or model.elements is not None:
         return []
-    near = {name: nearest_node(model, np.array(position(place))) for name, place in there.items()}
+    rows, named = with_positions(model, tuple(there.values())).places, [*model.places.values()]
+    beside = {name: place for name, place in there.items() if all(rows[place] is not one for one in named)}
+    near = {name: nearest_node(model, np.array(position(place))) for name, place in beside.items()}
     off = ", ".join(f"{name} {1e3 * away:.3g} mm away" for name, (_, away, gap) in near.items() if away > ON_NODE * gap)
     return (
         [f"accelerometers in {source} ride on the nearest nodes of {recipe.article}, which has no elements: {off}"] if off else []
     )
 
 
-def _unread(recipe: "_Recipe", source: str, name: str, place: str) -> str:
-    """Why the accelerometer `name` of the campaign in `source` is not used: nobody knows what moves at its `place`."""
-    model = users_model(recipe.own, recipe.stamp).model
+def _unread(recipe: "_Recipe", source: str, unread: Mapping[str, str]) -> str:
+    """Why the accelerometers `unread` of the campaign in `source` are not used: nobody knows what moves at their places."""
+    model, (name, *others), place = users_model(recipe.own, recipe.stamp).model, unread, next(iter(unread.values()))
     error = lacking(model, place) if isinstance(model, Structure) else None
     problem = error.problem if error is not None else "has no known motion: the model has no coordinates"
     remedy = "correct its position, or where the article is mounted"
     remedy = "bring its dof, nodes and coordinates" if problem.endswith("has no coordinates") else remedy
+    remedy = BRING if error is not None and BRING in error.remedy else remedy
     at = ", ".join(f"{1e3 * value:.5g}" for value in position(place) or ())
     return (
         f"accelerometer {name} in {source} is not used: at ({at}) mm from the origin of {recipe.article}, along its axes, it "
-        f"{problem}; {remedy}"
+        f"{problem}; {remedy}{'; nor are ' * bool(others)}{', '.join(others)}"
     )
 
 

@@ -325,7 +325,8 @@ def predictions(
         done = partial(lambda before, share: tell((before + share) / count), k)
         made = measured(campaign, of, name, band=band, method=method, lines=lines, progress=done)
         driven, stands = drives(campaign, made.method), mounted_article(model, campaign, float(made.measured.frequency[-1]))
-        if stands.unread and made.measured.inputs is None and len(made.measured.channels) <= len(MOTIONS):
+        upon = [one.name for one in campaign.table.channels if one.group != "table"]
+        if stands.unread and made.measured.inputs is None and not {*upon} & {*made.measured.channels}:
             problem = (
                 f"nothing is left that tells more than the base: {next(one for one in stands.remarks if stands.unread[0] in one)}"
             )

@@ -130,18 +130,18 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
         problem = "is known by modal data alone, which have no places"
         raise BadInput(source=path, field=article, problem=problem, remedy="Bring its matrices or its mesh")
     structure = users.model
-    points = [point for one in tests for point in points_of(one)]
+    points = {point.place: (one.source, point) for one in tests for point in points_of(one)}
     rows: dict[str, Sparse] = {}  # (3, n) what each degree of freedom moves a point, by its number or its coordinates
     n = structure.mass.shape[0]
-    for point in (point for point in points if point.place not in structure.places):
+    for source, point in (each for place, each in points.items() if place not in structure.places):
         word, _, number = point.place.partition(" ")
         if word == "dof" and number.isdecimal():
             if int(number) >= n:
                 problem = f"there is no such row: the matrices have {n}, counted from 0"
-                raise BadInput(source="test", field=point.place, problem=problem, remedy="Correct it")
+                raise BadInput(source=source, field=point.place, problem=problem, remedy="Correct it")
             rows[point.place] = csr_array(([1.0], ([0], [int(number)])), shape=(3, n))
         elif point.position is not None:
-            rows[point.place] = place_rows(structure, point.position, "test", point.place)[0]
+            rows[point.place] = place_rows(structure, point.position, source, point.place)[0]
         elif word == "node" and number.isdecimal() and structure.elements is not None:
             there = structure.elements.numbered(int(number))
             rows |= {} if there is None else {point.place: there}

@@ -103,6 +103,9 @@ OF_CELLS = ("force-crosstalk", "cell-stiffness", "fmd-compliance", "load-path-sh
 """Families that can be hidden: in the structure, in sensors of any test, in those of one by forces, among these what some of such
 tests do not tell and where a force acts, and in load cells below a base."""
 
+HEAVIEST = 10.0
+"""Times what a structure weighs, beyond which a mass upon it is one in grams. By definition."""
+
 CROSS = 0.03
 """[share] of the swept motion that a base makes on average along each other axis where nothing is said."""
 
@@ -454,7 +457,7 @@ def simulate(plan: StructurePlan) -> StructureTest:
         about["coordinates"] = {name: [float(x) for x in at] for name, at in where.items()}
     block = plan.block or min(LONGEST, max(RINGS_DOWN / slowest, 4 / plan.band[0]))
     gains = 1 + GAIN * plan.tolerances * plan.drawn("gains").standard_normal(len(rows) + 1)
-    names = (*points, "force")
+    names, signals = (*points, "force"), dict[str, Signals]()
     if plan.kind == FUNCTIONS:
         f = np.arange(max(1, round(plan.band[0] * block)), round(plan.band[1] * block) + 1) / block
         read = _heard(plan, names, gains, f, lab, rows, forces)
@@ -463,14 +466,13 @@ def simulate(plan: StructurePlan) -> StructureTest:
         scatter, usual = rng.standard_normal((2, *A.shape)), np.median(np.abs(A), axis=0, keepdims=True)
         level = np.hypot(np.abs(A), np.maximum(usual, DEAF * usual.max(axis=1, keepdims=True)))
         A = A + share * level * (scatter[0] + 1j * scatter[1]) / np.sqrt(2)
-        read_of = (dict(zip(points, A[:, :, k].T, strict=True)) for k in range(len(forces)))
-        made = (Signals(source="virtual test", frequency=f, samples=samples) for samples in read_of)
-        signals = {f"functions-{k}.h5": one for k, one in enumerate(made, 1)}
+        for k, one in enumerate(A.transpose(2, 0, 1)):
+            samples = dict(zip(points, one.T, strict=True))
+            signals[f"functions-{k + 1}.h5"] = Signals(source="virtual test", frequency=f, samples=samples)
         about |= {"share": share} if share else {}
         return StructureTest(table={**about, **_files(plan, signals)}, signals=signals, truth=truth)
     rate = 4.0 * plan.band[1]
     size = 2 * round(block * rate / 2)
-    signals = {}
     for k, drive in enumerate(plan.drives):
         rng = plan.drawn(f"force {drive.name}")
         if plan.kind == HAMMER:
@@ -737,8 +739,8 @@ def plan_of(
 
     seen = listed(responses, ("responses", "sensors"), "--response")
     if not seen:
-        every = [(name, axis, k) for name in users.model.places for k, axis in enumerate("xyz")]
-        moving = [f"{name}:{axis}" for name, axis, k in every if users.model.places[name][[k]].nnz]
+        there = users.model.places.items()
+        moving = (f"{name}:{axis}" for name, rows in there for k, axis in enumerate("xyz") if rows[[k]].nnz)
         seen = tuple(point(one, source=path, field="--response") for one in moving)
     if not seen:
         raise BadInput(source=path, field="places", problem="it names no place", remedy='Name points, --response "tip:z"')
@@ -747,16 +749,15 @@ def plan_of(
         problem = f'is "{"ground" if users.model.grounded else "free"}": it has no base that could be shaken'
         remedy = 'State support = "base" with its interface, or strike it where it is with --test hammer'
         raise BadInput(source=path, field="fe_model.support", problem=problem, remedy=remedy)
-    stray = {"--drive": based and drives, "--block": based and block, "--axis": kind != BASE and axis}
-    if wrong := [option for option, given in {**stray, "--cross": not based and cross is not None}.items() if given]:
+    beside = based and drives, based and block, kind != BASE and axis, not based and cross is not None
+    if wrong := [option for option, given in zip(("--drive", "--block", "--axis", "--cross"), beside, strict=True) if given]:
         raise BadInput(source=wrong[0], problem=f"is no option of --test {kind}", remedy="Leave it out")
     if axis:
         toml_file.one_of(axis, tuple("xyz"), source="--axis", where="")
     driven = () if based else listed(drives, ("drive",), "--drive")
-    for at in (*driven, *seen):
-        if at.place not in users.model.places:
-            remedy = f"Its places are {', '.join(list(users.model.places)[:20])}"
-            raise BadInput(source=path, field=at.place, problem="the structure has no such place", remedy=remedy)
+    for at in (each for each in (*driven, *seen) if each.place not in users.model.places):
+        remedy = f"Its places are {', '.join(list(users.model.places)[:20])}"
+        raise BadInput(source=path, field=at.place, problem="the structure has no such place", remedy=remedy)
     limits = band or tuple(own.get("band", ())) or None
     if limits is None or not (driven or based):
         trial = StructurePlan(model=model, kind=MODES, article=article, drives=(), responses=seen, band=(1.0, 100.0))
@@ -774,8 +775,12 @@ def plan_of(
     of_table = f"table-{axis}1" if axis else "table"
     below = tuple(one for one in ACCELEROMETERS if kind == BASE_FORCES or (kind == BASE and one.startswith(of_table)))
     forces = {MODES: (), BASE: (), BASE_FORCES: tuple(FORCES)}.get(kind, ("force",))
-    accelerometers, points = (*(one.name for one in seen), *below), tuple(one.name for one in driven if kind != MODES)
-    words = Vocabulary(accelerometers=accelerometers, forces=forces, drives=points, places=None, parts=None)
+    read, points = (*(one.name for one in seen), *below), tuple(one.name for one in driven if kind != MODES)
+    words = Vocabulary(accelerometers=read, forces=forces, drives=points, places=None, parts=None)
+    hidden, whole = parse_all(effects, words), float(np.diag(users.model.rigid_mass)[:3].max())
+    for one in (each for each in hidden if each.family == "point-mass" and each.value > HEAVIEST * whole > 0):
+        problem, remedy = f"is {one.value:g} kg on a structure of {whole:.3g} kg", f"{one.value / 1e3:g} is as many grams"
+        raise BadInput(source="--effect", field=one.id, problem=problem, remedy=remedy)
     if not 0 < limits[0] < limits[1] < np.inf:
         raise BadInput(source="--band", problem=f"must rise from above 0, found {limits}", remedy="Write --band 5 200")
     return StructurePlan(
@@ -784,7 +789,7 @@ def plan_of(
         article=article,
         drives=driven,
         responses=seen,
-        effects=parse_all(effects, words),
+        effects=hidden,
         seed=seed,
         noise=noise,
         tolerances=tolerances,

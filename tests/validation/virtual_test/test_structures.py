@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
 
@@ -246,7 +247,46 @@ def test_pick_ups_on_matrices_without_points_are_said_where_nothing_else_tells_o
     Path("bare.toml").write_text(own)
     said = refused("compare", "bare.toml", "test")
     assert "nothing is left that tells more than the base: accelerometer a-x in test is not used" in said
-    assert "the structure has no coordinates; bring its dof, nodes and coordinates." in said
+    assert "the structure has no coordinates; bring its dof, nodes and coordinates" in said
+    assert said.count("is not used") == 1
+
+
+def test_a_mass_in_grams_is_not_planted_in_kilograms(on_base: Path, refused: Any) -> None:
+    """120 kg on a frame of 3 kg had been simulated without a word."""
+    whole = float(reading.load(on_base).model.rigid_mass[0, 0])
+    said = refused(*asked("base", "--effect", f"point-mass:a={12 * whole}", "--out", "test"))
+    assert f"on a structure of {whole:.3g} kg. {12 * whole / 1e3:g} is as many grams" in said
+    assert not Path("test").exists()
+
+
+def test_accelerometers_at_places_with_names_ride_on_no_node(on_base: Path, run: Any, refused: Any) -> None:
+    """A Craig-Bampton model that had rows for its pick-ups was told that they ride on nodes 695 mm away; without these rows all
+    that was compared were the accelerometers of the base with themselves: GOOD, 0 %."""
+    assert run(*asked("base", "--out", "test"))[0] == 0
+    made = reading.load(on_base).model
+    feet = [k for k, rows in enumerate(made.translations) if np.all(np.isin(rows, made.held))]
+    held = np.concatenate([[*made.translations[k], *made.rotations[k]] for k in feet])
+    K, M = made.stiffness.toarray(), made.mass.toarray()
+    inside = np.setdiff1d(np.arange(len(K)), held)
+    T = np.zeros((len(K), len(held) + 12))
+    T[held, : len(held)] = np.eye(len(held))
+    T[inside, : len(held)] = -np.linalg.solve(K[np.ix_(inside, inside)], K[np.ix_(inside, held)])
+    T[inside, len(held) :] = eigh(K[np.ix_(inside, inside)], M[np.ix_(inside, inside)])[1][:, :12]
+    dof = [(k + 1, c) for k in feet for c in range(1, 7)] + [(1000 + k, 0) for k in range(12)]
+    arrays = {"stiffness": T.T @ K @ T, "mass": T.T @ M @ T, "dof": np.array(dof)}
+    arrays |= {"nodes": np.array(feet) + 1, "coordinates": made.points[feet]}
+    places = {f"places/{name}": made.places[name].toarray() @ T for name in "abc"}
+    base = 'support = "base"\nreference_point = ["0 m", "0 m", "0 m"]\nfile = "{}.npz"\ninterface = {}\n'
+    for name, known in (("told", arrays | places), ("untold", arrays)):
+        np.savez(f"{name}.npz", **known)
+        own = 'format = 1\nmodel = { title = "", article = "portal" }\n[fe_model]\nkind = "matrices"\nunits = "m-kg-N-s"\n'
+        Path(f"{name}.toml").write_text(own + base.format(name, [k + 1 for k in feet]))
+    code, page, err = run("compare", "told.toml", "test")
+    assert code == 0, err
+    assert "ride on the nearest" not in page
+    said = refused("compare", "untold.toml", "test")
+    assert "nothing is left that tells more than the base: accelerometer a-x in test is not used" in said
+    assert "places/NAME (3 x n) of its file; nor are" in said
 
 
 def test_places_of_a_base_test_are_told_without_what_rounding_leaves_of_them(on_base: Path, run: Any) -> None:
