@@ -73,7 +73,8 @@ PULLED = 1.5
 """Up to so far above the band the losses of modes are answered, too."""
 
 PASSED = 1.2
-"""[end of the band] up to which a shaker drives, and beyond which a recorder's filter falls to nothing at half its rate."""
+"""[end of the band] up to which a shaker drives, and beyond which a recorder's filter falls to nothing at half its rate: a blow
+that comes late by a part of a sample would ring to the end of its block."""
 
 BLOWS, BLOCKS = 4, 30
 RINGS_DOWN = 7.0
@@ -453,8 +454,7 @@ def simulate(plan: StructurePlan) -> StructureTest:
     about |= {"band": [float(one) for one in plan.band], "gain": GAIN, "force_gain": GAIN}
     places = dict.fromkeys(one.place for one in (*plan.drives, *plan.responses))
     where = {name: at for name in places if (at := position_of(lab.structure, name)) is not None}
-    if where:
-        about["coordinates"] = {name: [float(x) for x in at] for name, at in where.items()}
+    about |= {"coordinates": {name: [float(x) for x in at] for name, at in where.items()}} if where else {}
     block = plan.block or min(LONGEST, max(RINGS_DOWN / slowest, 4 / plan.band[0]))
     gains = 1 + GAIN * plan.tolerances * plan.drawn("gains").standard_normal(len(rows) + 1)
     names, signals = (*points, "force"), dict[str, Signals]()
@@ -471,8 +471,7 @@ def simulate(plan: StructurePlan) -> StructureTest:
             signals[f"functions-{k + 1}.h5"] = Signals(source="virtual test", frequency=f, samples=samples)
         about |= {"share": share} if share else {}
         return StructureTest(table={**about, **_files(plan, signals)}, signals=signals, truth=truth)
-    rate = 4.0 * plan.band[1]
-    size = 2 * round(block * rate / 2)
+    rate, size = 4.0 * plan.band[1], 2 * round(2.0 * block * plan.band[1])
     for k, drive in enumerate(plan.drives):
         rng = plan.drawn(f"force {drive.name}")
         if plan.kind == HAMMER:
@@ -499,7 +498,7 @@ def simulate(plan: StructurePlan) -> StructureTest:
         largest = np.abs(record).max(axis=0)
         largest[:-1] = np.maximum(largest[:-1], DEAF * largest[:-1].max())
         record = record + plan.noise * NOISE[plan.kind] * largest * plan.drawn(f"noise {k}").standard_normal(record.shape)
-        samples = {name: record[:, c] for c, name in enumerate(names)}
+        samples = dict(zip(names, record.T, strict=True))
         signals[f"records-{k + 1}.h5"] = Signals(source="virtual test", sampling_rate=rate, samples=samples)
     records = {"kind": plan.kind, "block": size / rate}
     return StructureTest(table={**about, "records": records, **_files(plan, signals)}, signals=signals, truth=truth)
@@ -643,12 +642,9 @@ def _answered(
     forces: Sequence[Array],
     slowest: float,
 ) -> Array:
-    """(n, c + 1) what is recorded of `force` (n,), long zeros behind it so that nothing comes round.
-
-    A recorder lets nothing near half its rate pass: of a blow that comes late by a part of a sample that would ring for ever.
-    """
+    """(n, c + 1) what is recorded of `force` (n,), long zeros behind it so that nothing comes round."""
     whole = 1 << max(len(force) + round(RINGS_DOWN / slowest * rate) - 1, 1).bit_length()
-    lines = np.asarray(np.fft.rfftfreq(min(whole, 1 << 20), 1 / rate), dtype=np.float64)
+    lines: Array = np.fft.rfftfreq(min(whole, 1 << 20), 1 / rate).astype(np.float64)
     read = _heard(plan, names, gains, lines, lab, rows, forces)[:, :, 0]
     above = np.clip((lines / plan.band[1] - PASSED) / (rate / (2 * plan.band[1]) - PASSED), 0.0, 1.0)
     spectrum = np.fft.rfft(force, min(whole, 1 << 20)) * np.cos(np.pi / 2 * above) ** 2
