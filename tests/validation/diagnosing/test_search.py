@@ -627,6 +627,29 @@ def test_a_layer_is_named_where_it_loses_more_than_its_own_tolerance_hides(tmp_p
     assert wide[1] < 0.6 * wide[0] < 0.3 * loss
 
 
+@pytest.mark.parametrize(("share", "steps"), [(0.21, 2), (0.19, 1)])
+def test_beside_what_explains_a_fifth_of_what_is_wrong_others_are_sought_and_beside_less_nothing(monkeypatch, share, steps):
+    """A bearing of a truss that loses half explained 0.21 beside 1.63 kg at a node, and the mass was not looked for."""
+    asked: list[Any] = []
+    bad: Any = SimpleNamespace(null=False, largest=0.0, excess=lambda fit: 1000.0)
+    start: Any = SimpleNamespace(effects=(), problem=None, fit=SimpleNamespace(cost=5000.0, converged=True))
+    better = SimpleNamespace(effects=(tried(MASSES[0]).added,), problem=None, fit=SimpleNamespace(cost=5000.0 - 1000 * share))
+    one = replace(ended(MASSES[0], 1000 * share), candidate=better)
+
+    def step(data: object, at: Any, *rest: object) -> Any:
+        asked.append(at)
+        found = () if at.effects else (one,)
+        return SimpleNamespace(at=at, tried=found, added=one.id if found else "", reconsidered="", goodness=bad)
+
+    monkeypatch.setattr(search, "_step", step)
+    monkeypatch.setattr(search, "reduced_anew", lambda data, at: (data, at))
+    monkeypatch.setattr(search, "_finished", lambda data, at: (data, at))
+    monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: bad)
+    monkeypatch.setattr(search, "backward_elimination", lambda data, at, *rest: (data, at, ()))
+    search.stepwise_search(BAND, start, [], lambda what, share: None)
+    assert asked == [start, better][:steps]
+
+
 @pytest.mark.parametrize("far", [True, False])
 def test_from_afar_faults_of_sensors_are_asked_too_of_which_no_tolerance_is_in_the_fit(monkeypatch, far):
     """Of a bracket under a hammer whose force came late, and of pick-ups of 5 g that rove, no fit of the model as it is ended,
