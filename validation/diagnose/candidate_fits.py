@@ -11,7 +11,7 @@ from geometry.errors import CheckFailed
 from validation.diagnose.candidates import band, has_lines, is_resonator, sizes
 from validation.diagnose.diagnosis import SIGNIFICANT, Candidate
 from validation.effects.catalogue import FAMILIES
-from validation.effects.effect import OPENED, PERIOD_STAGE, evidence_threshold
+from validation.effects.effect import AT, OPENED, PERIOD_STAGE, evidence_threshold
 from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, SINGLE_PLACES, STRIDE, child, direct, nearby, start
 from validation.estimation.likelihood import cost_of, freedom, observed
 from validation.estimation.problem import EFFECT, FITTED, Fit, Problem
@@ -256,12 +256,13 @@ def candidate_fit(at: Candidate, there: Candidate) -> CandidateFit:
 
 
 def ranked(tried: Sequence[CandidateFit]) -> list[CandidateFit]:
-    """The best fit of each candidate, the most evidence first once it has paid what was looked; ties by name, not by rounding."""
+    """The best fit of each candidate, the most evidence first once it has paid what was looked; ties by name, not by rounding,
+    and by that of a place before its coordinates."""
     by_id = {one.id: one for one in sorted(tried, key=lambda each: each.evidence)}
     paid = {id: one.evidence - one.looked for id, one in by_id.items()}
     best = max(by_id.values(), key=lambda one: paid[one.id], default=None)
     ties = {id for id, one in by_id.items() if best is not None and abs(one.evidence - best.evidence) < SAME_NATS}
-    return sorted(by_id.values(), key=lambda one: (-inf, one.id) if one.id in ties else (-paid[one.id], ""))
+    return sorted(by_id.values(), key=lambda one: (-inf, AT in one.id, one.id) if one.id in ties else (-paid[one.id], False, ""))
 
 
 def in_band(data: Study, one: CandidateFit) -> bool:

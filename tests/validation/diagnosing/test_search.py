@@ -127,6 +127,12 @@ def test_of_two_fits_of_one_candidate_the_better_counts():
     assert ranked([first, second, other]) == [second, other]
 
 
+def test_of_one_place_by_its_name_and_by_its_coordinates_the_name_counts():
+    """6 kg on a floor of three were told as at 0,0,0.45, which is that floor."""
+    named, written = ended(MASSES[0], 30.0), replace(ended(MASSES[1], 30.02), id="point-mass:@0,0,0.45")
+    assert ranked([written, named]) == ranked([named, written]) == [named, written]
+
+
 def test_a_place_without_a_name_must_be_better_by_what_it_cost_to_have_looked_for_it():
     """69 % more of a rib was told as 0.14 kg at one of hundreds of nodes, 2.5 nats better, which chance is worth as well."""
     named, node = ended(MASSES[0], 37.3), replace(ended(MASSES[1], 39.8), looked=4.4)
@@ -303,13 +309,13 @@ def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_ask
         > evidence_threshold("force-gain") - search.NULL_MARGIN
     )
     nobody: Any = None
-    tried_ones = search._local_fits(nobody, HERE, stands(null=True), found, lambda what, share: None)
+    tried_ones = search._local_fits(nobody, HERE, found, lambda what, share: None, here=stands(null=True))
     assert [one.id for one in tried_ones] == ["force-gain:fmd-z2"]
     asked = evidence_threshold("force-gain")
     for short, count in ((0.9, 1), (1.1, 0)):  # a nat is what a straight line may err
         near = screened("force-gain:fmd-z2=0.02", evidence=asked - short)
-        assert len(search._local_fits(nobody, HERE, stands(null=True), near, lambda what, share: None)) == count
-    both = search._local_fits(nobody, HERE, stands(null=False), found, lambda what, share: None)
+        assert len(search._local_fits(nobody, HERE, near, lambda what, share: None, here=stands(null=True))) == count
+    both = search._local_fits(nobody, HERE, found, lambda what, share: None, here=stands(null=False))
     assert [one.id for one in both] == ["structural-damping:mast", "force-gain:fmd-z2"]
 
 
