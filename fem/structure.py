@@ -115,6 +115,13 @@ class Structure:
         M = self.rigid.T @ (self.mass @ self.rigid)
         return np.asarray((M + M.T) / 2)
 
+    @property
+    def gyration(self) -> float:
+        """[m] Largest radius of gyration about the axes through the CoG; 0 where no mass is known."""
+        M = self.rigid_mass
+        about_cog = M[3:, 3:] - M[3:, :3] @ np.linalg.pinv(M[:3, :3]) @ M[:3, 3:]
+        return float(np.sqrt(np.diag(about_cog).max() / M[0, 0])) if M[0, 0] > 0 else 0.0
+
     @cached_property
     def weights(self) -> Array:
         """(p, 3) [kg] what resists at each of `points` along x, y, z where all of it shifts."""
@@ -180,7 +187,7 @@ def place_rows(
 
     at = np.asarray(points, dtype=np.float64).reshape(-1, 3)
     away, near = cKDTree(structure.points).query(at, k=min(NEIGHBOURS, len(structure.points)))
-    found, n, wide = [], structure.mass.shape[0], np.ptp(structure.points, axis=0).max()
+    found, n, wide = [], structure.mass.shape[0], np.ptp(structure.points, axis=0).max() or structure.gyration
     unplaced = not structure.rigid.any(axis=1).all()  # rows of no node, which no rigid motion moves: modal coordinates
     for point, distances, nodes in zip(at, away.reshape(len(at), -1), near.reshape(len(at), -1), strict=True):
         first, arm = nodes[0], point - structure.points[nodes[0]]

@@ -37,12 +37,9 @@ class Material:
 
     def __post_init__(self) -> None:
         if not 0 < self.density < float("inf"):
-            raise BadInput(
-                source=f"material {self.name}",
-                field="density",
-                problem=f"a density must be positive and finite, found {self.density:g} kg/m³",
-                remedy="Give it in kg/m³ (steel about 7850, aluminium about 2700)",
-            )
+            problem = f"a density must be positive and finite, found {self.density:g} kg/m³"
+            remedy = "Give it in kg/m³ (steel about 7850, aluminium about 2700)"
+            raise BadInput(source=f"material {self.name}", field="density", problem=problem, remedy=remedy)
 
 
 @cache
@@ -72,12 +69,8 @@ def material(name: str, source: str = "material") -> Material:
     try:
         return library()[name]
     except KeyError:
-        raise BadInput(
-            source=source,
-            field="material",
-            problem=f"no material is called {name!r}",
-            remedy=f"Known are {', '.join(sorted(library()))}; or state a density",
-        ) from None
+        remedy = f"Known are {', '.join(sorted(library()))}; or state a density"
+        raise BadInput(source=source, field="material", problem=f"no material is called {name!r}", remedy=remedy) from None
 
 
 # Shapes as data: boxes and cylinders that add material, boxes and cylinders that take it away.

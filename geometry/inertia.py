@@ -84,8 +84,8 @@ class Inertia:
 
         Raises
         ------
-        ValueError : the matrix is not that of a rigid body (unequal masses, coupling not skew, unsymmetric), relative to
-            its own largest entries.
+        ValueError : the matrix is not that of a rigid body (unequal masses, coupling not skew, unsymmetric), by more than
+            the digits of a printed table, relative to its own largest entries.
         """
         M = frozen(matrix, (6, 6), "matrix")
         S = M[3:, :3]
@@ -93,7 +93,7 @@ class Inertia:
         parameters = np.concatenate([[M[0, 0]], first_moment, six_from_tensor(M[3:, 3:])])
         inertia = Inertia(parameters=parameters, reference_point=np.asarray(reference_point, dtype=np.float64))
         misfit = np.abs(inertia.mass_matrix - M).max()
-        if misfit > 1e-9 * np.abs(M).max():
+        if misfit > 1e-5 * np.abs(M).max():
             raise ValueError(f"`matrix` must be the mass matrix of a rigid body, found an entry off by {misfit:.3g}")
         return inertia
 
@@ -289,12 +289,9 @@ def require_physical(inertia: Inertia, source: str, rounding: float = ROUNDING) 
     """
     verdict = judge(inertia, rounding)
     if not verdict.physical:
-        raise BadInput(
-            source=source,
-            field="inertia",
-            problem=f"no body has these parameters: {verdict.text}",
-            remedy="Check signs, units and the reference point (products are matrix entries, Ixy = -∫xy dm)",
-        )
+        problem = f"no body has these parameters: {verdict.text}"
+        remedy = "Check signs, units and the reference point (products are matrix entries, Ixy = -∫xy dm)"
+        raise BadInput(source=source, field="inertia", problem=problem, remedy=remedy)
     return inertia
 
 

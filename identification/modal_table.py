@@ -37,7 +37,7 @@ class ModalTable:
     frequency : (m,) [Hz]
     frequency_deviation : (m,) [Hz], positive
     damping_ratio, damping_deviation : (m,) [1]; None where they are not known
-    sensors : (s,) where shapes were read; empty where there are none
+    sensors : (s,) where shapes were read, also one alone, whose shapes say nothing; empty where there are none
     shapes : (m, s), real or complex, each up to a factor; None where there are none
     shapes_deviation : (m, s), positive, in the scale of `shapes`
     gain : standard deviation of the gain of a sensor, relative

@@ -86,10 +86,11 @@ def core() -> dict[str, Distribution]:
 def installed(wheel: zipfile.ZipFile, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An environment that holds the wheel, installed by pip, and of the locked packages the core alone; its `bin`."""
     folder = tmp_path_factory.mktemp("installed")
-    venv.create(folder, symlinks=True)
-    # By the pip of this environment, which saves one of its own; isolated: what the tests have on their path is not what it has
-    pip = [sys.executable, "-I", "-m", "pip", "--python", str(folder), "install", "--quiet", "--no-index", "--no-deps"]
-    subprocess.run([*pip, "--no-compile", str(wheel.filename)], check=True, capture_output=True)
+    venv.create(folder, with_pip=True, symlinks=True)
+    python = folder / "bin" / "python"
+    # Isolated: what the tests have on their path is not what this environment has
+    pip = [str(python), "-I", "-m", "pip", "install", "--quiet", "--no-index", "--no-deps", "--no-compile"]
+    subprocess.run([*pip, str(wheel.filename)], check=True, capture_output=True)
     (site,) = folder.glob("lib/python3*/site-packages")
     for one in core().values():
         for name in {file.parts[0] for file in one.files or () if ".." not in file.parts and file.parts[0] != "__pycache__"}:

@@ -261,3 +261,16 @@ def test_a_test_among_data_states_its_format(run, tmp_path):
     code, _, err = run("compare", "m.toml", "test.toml")
     assert code == main.BAD_INPUT
     assert "test.toml: `format`: is missing" in " ".join(err.split())
+
+
+def test_a_shape_at_one_sensor_is_said_to_be_left_out_and_not_to_be_read(run, tmp_path):
+    head = 'format = 1\nkind = "modal-table"\narticle = "a"\nfrequencies = [10.0, 20.0]\n'
+    for name, shapes in (("one", 'sensors = ["tip:x"]\nshapes = [[1.0], [0.5]]'), ("two", TWO)):
+        (tmp_path / f"{name}.toml").write_text(f"{head}{shapes}\n")
+    said = {name: " ".join(run("check", f"{name}.toml")[1].split()) for name in ("one", "two")}
+    assert "they are left out" in said["one"]
+    assert "shapes read at" not in said["one"]
+    assert "shapes read at tip along x, top along x" in said["two"]
+
+
+TWO = 'sensors = ["tip:x", "top:x"]\nshapes = [[1.0, 0.5], [0.5, -1.0]]'

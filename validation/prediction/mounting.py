@@ -259,10 +259,10 @@ def _riding(recipe: "_Recipe", source: str, there: Mapping[str, str]) -> list[st
     rows, named = with_positions(model, tuple(there.values())).places, [*model.places.values()]
     beside = {name: place for name, place in there.items() if all(rows[place] is not one for one in named)}
     near = {name: nearest_node(model, np.array(position(place))) for name, place in beside.items()}
-    off = ", ".join(f"{name} {1e3 * away:.3g} mm away" for name, (_, away, gap) in near.items() if away > ON_NODE * gap)
-    return (
-        [f"accelerometers in {source} ride on the nearest nodes of {recipe.article}, which has no elements: {off}"] if off else []
-    )
+    away = {name: distance for name, (_, distance, gap) in near.items() if distance > ON_NODE * (gap or model.gyration)}
+    off = ", ".join(f"{name} {1e3 * distance:.3g} mm away" for name, distance in away.items())
+    said = f"accelerometers in {source} ride on the nearest nodes of {recipe.article}, which has no elements: {off}"
+    return [said] if off else []
 
 
 def _unread(recipe: "_Recipe", source: str, unread: Mapping[str, str]) -> str:

@@ -275,7 +275,7 @@ def _where(test: "ResponseFunctions | ModalTable") -> str:
 
     if isinstance(test, ResponseFunctions):
         return f"driven at {named(test.drives)}; read at {named(test.responses)}"
-    return f"shapes read at {named(test.sensors)}" if test.sensors else ""
+    return f"shapes read at {named(test.sensors)}" if test.shapes is not None else ""
 
 
 def show_tests(name: str, tests: "Sequence[ResponseFunctions | ModalTable]", *, as_json: bool, out: Path | None) -> None:

@@ -608,6 +608,8 @@ def simulate_structure(
         axis=axis,
         cross=cross,
     )
+    for doubt in plan.doubts:
+        click.echo(f"massline: {doubt}.", err=True)
     with shown(f"{plan.article}: simulating and writing {out}", quiet=as_json):
         made = structure_tests.simulate(plan)
         if made.campaign is not None:

@@ -105,7 +105,7 @@ OF_CELLS = ("force-crosstalk", "cell-stiffness", "fmd-compliance", "load-path-sh
 tests do not tell and where a force acts, and in load cells below a base."""
 
 HEAVIEST = 10.0
-"""Times what a structure weighs, beyond which a mass upon it is one in grams. By definition."""
+"""Times what a structure weighs, beyond which a mass upon it is doubted to be in kilograms. By definition."""
 
 CROSS = 0.03
 """[share] of the swept motion that a base makes on average along each other axis where nothing is said."""
@@ -142,6 +142,7 @@ class StructurePlan:
     band : (low, high) [Hz]
     block : [s] of a block; 0 for one in which the slowest mode rings down
     axis, cross : of a base the one that is swept, all six where it is empty; what it does on average along the others
+    doubts : sentences on what is likely a slip
     """
 
     model: Model
@@ -157,6 +158,7 @@ class StructurePlan:
     block: float = 0.0
     axis: str = ""
     cross: float = CROSS
+    doubts: tuple[str, ...] = ()
 
     @property
     def on_base(self) -> bool:
@@ -723,8 +725,7 @@ def plan_of(
     if users is None or not isinstance(users.model, Structure):
         problem = "it names no structure with matrices, a mesh or a frame"
         raise BadInput(source=path, field="fe_model", problem=problem, remedy="`massline model FILE` begins one")
-    stated = [one for one in model.tests if one.get("kind") in test_file.KINDS]
-    own = stated[0] if stated else {}
+    own = next((one for one in model.tests if one.get("kind") in test_file.KINDS), {})
 
     def listed(given: Sequence[str], keys: Sequence[str], field: str) -> tuple[Point, ...]:
         found = list(given) or [one for key in keys for one in _many(own.get(key))]
@@ -760,8 +761,7 @@ def plan_of(
         squares, shapes, _, _ = tested(trial).modes
         elastic = np.flatnonzero(squares > RIGID * squares[:12].max(initial=0.0))[:LOWEST]
         if not len(elastic):
-            remedy = "Write --drive and --band, or hold the structure"
-            raise BadInput(source=path, field="fe_model", problem="it has no elastic mode to be tested", remedy=remedy)
+            raise BadInput(source=path, field="fe_model", problem="it has no elastic mode", remedy="Write --drive and --band")
         lowest = np.sqrt(squares[elastic]) / (2 * np.pi)
         limits = limits or (0.5 * float(lowest[0]), 1.3 * float(lowest[-1]))
         if not driven and not based:  # where all of them move, as far as one direction moves them all
@@ -774,9 +774,8 @@ def plan_of(
     read, points = (*(one.name for one in seen), *below), tuple(one.name for one in driven if kind != MODES)
     words = Vocabulary(accelerometers=read, forces=forces, drives=points, places=None, parts=None)
     hidden, whole = parse_all(effects, words), float(np.diag(users.model.rigid_mass)[:3].max())
-    for one in (each for each in hidden if each.family == "point-mass" and each.value > HEAVIEST * whole > 0):
-        problem, remedy = f"is {one.value:g} kg on a structure of {whole:.3g} kg", f"{one.value / 1e3:g} is as many grams"
-        raise BadInput(source="--effect", field=one.id, problem=problem, remedy=remedy)
+    heavy = (each for each in hidden if each.family == "point-mass" and each.value > HEAVIEST * whole > 0)
+    odd = (f"{x.id} is {x.value:g} kg on a structure of {whole:.3g} kg; for {x.value:g} g write {x.value / 1e3:g}" for x in heavy)
     if not 0 < limits[0] < limits[1] < np.inf:
         raise BadInput(source="--band", problem=f"must rise from above 0, found {limits}", remedy="Write --band 5 200")
     return StructurePlan(
@@ -786,6 +785,7 @@ def plan_of(
         drives=driven,
         responses=seen,
         effects=hidden,
+        doubts=tuple(odd),
         seed=seed,
         noise=noise,
         tolerances=tolerances,

@@ -266,6 +266,10 @@ def test_a_place_off_the_nodes_of_a_reduced_structure_rides_on_none_of_them(arra
     place_rows(found, between)
     with pytest.raises(BadInput, match=r"from all nodes, and rows that are of none of these move it.* places/NAME"):
         place_rows(reduced, between)
+    foot = replace(reduced, points=kept[:1], translations=own[:1], rotations=own[2:3])
+    place_rows(foot, kept[0] + 1e-15)  # what rounding leaves of a pick-up on the only node had been refused
+    with pytest.raises(BadInput, match="from all nodes"):
+        place_rows(foot, kept[1])
 
 
 def test_a_structure_without_coordinates_has_no_place_by_coordinates(bridge: reading.UsersModel) -> None:
