@@ -47,7 +47,7 @@ from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, STRUCTURE, evidence_threshold, position
 from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, ROUGHLY, STRIDE, child, nearby
 from validation.estimation.likelihood import cost_of
-from validation.estimation.problem import FITTED, Fit, Offsets
+from validation.estimation.problem import FITTED, Fit, Offsets, Problem
 from validation.estimation.verdicts import MISFIT
 from validation.model.model import Added
 from validation.output import nats, odds
@@ -68,7 +68,7 @@ def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: 
     off, else over a floor of `COARSE` on few lines, where each effect begins at a part of what is plausible.
     """
     asked = [one for one in menu if seen_from_afar(one)]
-    others = [one for one in menu if can_restart(one) and one not in asked and one.named.id not in at.fit.by_name]
+    others = [one for one in menu if can_restart(one) and not seen_from_afar(one) and one.named.id not in at.fit.by_name]
     progress("looking from afar for what keeps the model from converging", 0.0)
     view = DistantView(marks=() if data.made else Landmark.of_tests(data.predictions))
     far = bool(view.marks) and view.far
@@ -102,27 +102,32 @@ def seen_from_afar(added: Added) -> bool:
 
 def _nearest_by_lines(data: Study, at: Candidate, asked: Sequence[Added], progress: "Progress") -> list[tuple[Added, Fit]]:
     """Those `asked` and their rough fits, the best first, from where tolerances are declared and a part of what is plausible."""
-    begins = list[tuple[Added, list[dict[str, float]]]]()
-    for added in asked:
+    if not asked:
+        return []
+
+    def begins(added: Added, problem: Problem) -> list[Offsets]:
         (which,) = (name(added.named, size.key) for size in added.named.fitted_sizes)
-        size = data.problem((*at.effects, added)).by_name[which]
-        parts = (FROM_AFAR * size.tolerance, -FROM_AFAR * size.tolerance)
-        begins.append((added, [{which: begin} for begin in parts if size.low < begin < size.high]))
+        size = problem.by_name[which]
+        return [{which: x} for x in (FROM_AFAR * size.tolerance, -FROM_AFAR * size.tolerance) if size.low < x < size.high]
+
     rough = partial(child, floor=COARSE[1], close=ROUGHLY)
     without = rough(at.problem.sparser(STRIDE), FITTED, at.fit, declared(at.problem, at.fit))
-    return _along_few_lines(data, replace(at, fit=without), begins, rough, progress)
+    return _along_few_lines(data, replace(at, fit=without), asked, begins, rough, progress)
+
+
+Begins = Callable[[Added, Problem], Sequence[Offsets]]  # of the fits of an effect, the newest of a problem
 
 
 def _along_few_lines(
-    data: Study, at: Candidate, asked: Sequence[tuple[Added, Sequence[Offsets]]], rough: Callable[..., Fit], progress: "Progress"
+    data: Study, at: Candidate, asked: Sequence[Added], begins: Begins, rough: Callable[..., Fit], progress: "Progress"
 ) -> list[tuple[Added, Fit]]:
     """Every effect beside `at` with its `rough` fit along few lines from the better of where it begins, the best effect first."""
     found = list[tuple[Added, Fit]]()
-    for done, (added, begins) in enumerate(asked):
+    for done, added in enumerate(asked):
         progress(f"trying {added.named.id} along few lines", done / len(asked))
         problem = data.problem((*at.effects, added)).sparser(STRIDE)
         enough = found[FEW - 1][1].cost + SCREENING_MARGIN if len(found) >= FEW else inf
-        fits = [rough(problem, FITTED, at.fit, begin, worth=enough) for begin in begins]
+        fits = [rough(problem, FITTED, at.fit, begin, worth=enough) for begin in begins(added, problem)]
         found += [(added, fit) for fit in sorted(fits, key=lambda fit: fit.cost)[:1]]
         found.sort(key=lambda one: -one[1].log_evidence)
     return found
@@ -592,13 +597,17 @@ def _rough_fits(data: Study, at: Candidate, found: Sequence[Screened], progress:
     They are for effects in which the model is nonlinear. The score test overrates these, so that a rough fit starts at its size
     and at a part of that.
     """
-    begins = list[tuple[Added, list[Mapping[str, float]]]]()
-    for one in _most_promising(found):
-        starts: list[Mapping[str, float]] = [beginning(data, one.added) if one.begin is None else one.begin.by_name]
-        if one.begin is None and starts[0] and not is_resonator(one.added.named):
-            starts.append({name: FROM_AFAR * x for name, x in starts[0].items()})
-        begins.append((one.added, starts))
-    nearest = _along_few_lines(data, at, begins, partial(child, from_afar=True), progress)[:FEW]
+    promising = {one.id: one for one in _most_promising(found)}
+
+    def begins(added: Added, problem: Problem) -> list[Offsets]:
+        if (fitted := promising[added.named.id].begin) is not None:
+            return [fitted.by_name]
+        start = beginning(data, added)
+        part = {name: FROM_AFAR * x for name, x in start.items()}
+        return [start, part] if start and not is_resonator(added.named) else [start]
+
+    asked = [one.added for one in promising.values()]
+    nearest = _along_few_lines(data, at, asked, begins, partial(child, from_afar=True), progress)[:FEW]
     return [candidate_fit(at, fit_with(data, at, added, begin=begin)) for added, begin in nearest]
 
 

@@ -736,8 +736,7 @@ def plan_of(
 
     seen = listed(responses, ("responses", "sensors"), "--response")
     if not seen:
-        there = users.model.places.items()
-        moving = (f"{name}:{axis}" for name, rows in there for k, axis in enumerate("xyz") if rows[[k]].nnz)
+        moving = (f"{name}:{axis}" for name, rows in users.model.places.items() for k, axis in enumerate("xyz") if rows[[k]].nnz)
         seen = tuple(point(one, source=path, field="--response") for one in moving)
     if not seen:
         raise BadInput(source=path, field="places", problem="it names no place", remedy='Name points, --response "tip:z"')
@@ -746,8 +745,8 @@ def plan_of(
         problem = f'is "{"ground" if users.model.grounded else "free"}": it has no base that could be shaken'
         remedy = 'State support = "base" with its interface, or strike it where it is with --test hammer'
         raise BadInput(source=path, field="fe_model.support", problem=problem, remedy=remedy)
-    beside = based and drives, based and block, kind != BASE and axis, not based and cross is not None
-    if wrong := [option for option, given in zip(("--drive", "--block", "--axis", "--cross"), beside, strict=True) if given]:
+    stray = {"--drive": based and drives, "--block": based and block, "--axis": kind != BASE and axis}
+    if wrong := [option for option, given in {**stray, "--cross": not based and cross is not None}.items() if given]:
         raise BadInput(source=wrong[0], problem=f"is no option of --test {kind}", remedy="Leave it out")
     if axis:
         toml_file.one_of(axis, tuple("xyz"), source="--axis", where="")
@@ -761,7 +760,8 @@ def plan_of(
         squares, shapes, _, _ = tested(trial).modes
         elastic = np.flatnonzero(squares > RIGID * squares[:12].max(initial=0.0))[:LOWEST]
         if not len(elastic):
-            raise BadInput(source=path, field="fe_model", problem="it has no elastic mode", remedy="Write --drive and --band")
+            problem, remedy = "it has no elastic mode to be tested", "Write --drive and --band, or hold the structure"
+            raise BadInput(source=path, field="fe_model", problem=problem, remedy=remedy)
         lowest = np.sqrt(squares[elastic]) / (2 * np.pi)
         limits = limits or (0.5 * float(lowest[0]), 1.3 * float(lowest[-1]))
         if not driven and not based:  # where all of them move, as far as one direction moves them all
