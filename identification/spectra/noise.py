@@ -1,7 +1,8 @@
 """Noise of every channel at every line, from the parts of the records in which nothing moved.
 
 A broadband floor would not see mains or drift. So the spectral density of the quiet parts is taken (Hann segments of up to two
-seconds, Welch 1967, averaged over all runs), smoothed where it is smooth and left as it is where a tone stands out of it.
+seconds, Welch 1967, averaged over all runs), smoothed where it is smooth and left as it is where a tone stands out of it. A run
+that is noisier than the others, since its range was set anew for it, has the noise of its own quiet parts.
 
 Stationary noise of the two-sided density S(f) [unit²/Hz] gives
 
@@ -58,8 +59,8 @@ class Density:
     segments: npt.NDArray[np.int_]
 
 
-def density(campaign: Campaign) -> Density | None:
-    """The spectral density of the quiet parts of all runs; None where no run has one."""
+def density(campaign: Campaign, run: str | None = None) -> Density | None:
+    """The spectral density of the quiet parts of all runs, or of one; None where none has one."""
 
     def around(values: Array, width: int) -> Array:
         """(k, c, width) an odd number of lines of `values` (k, c) about each; the first and the last go on beyond the ends."""
@@ -67,7 +68,7 @@ def density(campaign: Campaign) -> Density | None:
         return np.lib.stride_tricks.sliding_window_view(padded, width, axis=0)
 
     rate, parts = 0.0, []  # the samples (n, c) of every row of quiet blocks; of one rate, another would need a grid of its own
-    for one in campaign.recordings.values():
+    for one in campaign.recordings.values() if run is None else (campaign.recordings[run],):
         quiet = quiet_blocks(one, campaign.table)
         if quiet is None or one.sampling_rate is None or one.sampling_rate != (rate := rate or one.sampling_rate):
             continue
@@ -92,7 +93,7 @@ def density(campaign: Campaign) -> Density | None:
     median = np.median(around(mean, 2 * max(round(AROUND / step), 1) + 1), axis=-1)
     top = median * (1 + 6 / np.sqrt(segments))  # six standard deviations of a mean of so many periodograms
     even = np.mean(around(np.minimum(mean, top), _width(step)), axis=-1)
-    return Density(frequency=frequency, values=np.where(mean > top, mean, even), segments=kept.sum(axis=0))
+    return Density(frequency=frequency, values=np.where(mean > top, mean, even), segments=segments)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -102,12 +103,14 @@ class OfLines:
     Attributes
     ----------
     density : (r, n, c) two-sided [unit²/Hz]
+    floors : (r, c) broadband rms, of what is measured and of what is stated alike; 0 where nothing is known
     scatter : relative standard deviation of that at one line, of channels on average: short silences tell little
     spread : the same of the power of all channels and lines together
     unknown : sentences
     """
 
     density: Array
+    floors: Array
     scatter: float = 0.0
     spread: float = 0.0
     unknown: tuple[str, ...] = ()
@@ -119,43 +122,45 @@ def of_lines(campaign: Campaign, frequency: Array) -> OfLines:
     Where no record has a quiet part, or a channel reads nothing in it, its `noise_rms` is spread evenly up to half the sampling
     rate; where that is not stated either, the density is 0.
     """
-    found = density(campaign)
-    channels = campaign.table.channels
-    measured = np.zeros((len(frequency), len(channels)))
+
+    def at(one: Density, lines: Array) -> Array:
+        return np.stack([np.interp(lines, one.frequency, column) for column in one.values.T], axis=1)
+
+    def broadband(one: Density) -> Array:
+        return np.asarray(np.sqrt(2 * one.frequency[-1] * one.values.mean(axis=0)))
+
+    found, runs, channels = density(campaign), campaign.runs, campaign.table.channels
+    whole, floors = np.zeros((len(runs), len(frequency), len(channels))), np.zeros((len(runs), len(channels)))
     if found is not None:
-        measured = np.stack([np.interp(frequency, found.frequency, column) for column in found.values.T], axis=1)
+        whole += at(found, frequency)
+        floors += broadband(found)
+        for k, run in enumerate(runs):
+            if (own := density(campaign, run.name)) is not None:
+                # By most of its lines: what rings is louder at a few
+                louder = np.median(own.values - STILL * at(found, own.frequency), axis=0) > 0
+                whole[k, :, louder] = at(own, frequency)[:, louder].T
+                floors[k, louder] = broadband(own)[louder]
     stated = np.array([channel.noise_rms or 0.0 for channel in channels])
-    rates = np.array([campaign.recordings[run.name].sampling_rate or 0.0 for run in campaign.runs])
+    rates = np.array([campaign.recordings[run.name].sampling_rate or 0.0 for run in runs])
     even = stated**2 / np.where(rates > 0, rates, np.inf)[:, None]  # (r, c)
-    silent = np.all(measured == 0, axis=0)
-    whole = np.where(silent, even[:, None, :], measured)
+    silent = np.all(whole == 0, axis=1)
+    whole, floors = np.where(silent[:, None, :], even[:, None, :], whole), np.where(silent, stated, floors)
     unknown = [channel.name for k, channel in enumerate(channels) if not whole[:, :, k].any()]
-    count = len(channels)
-    if not unknown:
-        words: tuple[str, ...] = ()
-    else:
-        which = "all channels" if len(unknown) == count else ", ".join(unknown)
-        words = (f"the noise of {which} is not known (no quiet part that reads anything, no noise_rms); it counts as 0",)
+    which = "all channels" if len(unknown) == len(channels) else ", ".join(unknown)
+    said = f"the noise of {which} is not known (no quiet part that reads anything, no noise_rms); it counts as 0"
+    known = OfLines(density=whole, floors=floors, unknown=(said,) if unknown else ())
     if found is None:
-        return OfLines(density=whole, unknown=words)
-    at_a_line = _variance(found, silent, _width(_step(found)))
-    of_all = _variance(found, silent, float(np.ptp(frequency)) / _step(found))
+        return known
+    silent, step = silent.all(axis=0), float(found.frequency[1])
+    at_a_line = _variance(found, silent, _width(step))
+    of_all = _variance(found, silent, float(np.ptp(frequency)) / step)
     # Standard deviation of the mean of what has such variances (c,) and knows nothing of each other
-    return OfLines(
-        density=whole,
-        scatter=float(np.sqrt(at_a_line.mean())),
-        spread=float(np.sqrt(np.sum(of_all)) / len(of_all)),
-        unknown=words,
-    )
+    return replace(known, scatter=float(np.sqrt(at_a_line.mean())), spread=float(np.sqrt(np.sum(of_all)) / len(of_all)))
 
 
 def _variance(found: Density, silent: npt.NDArray[np.bool_], lines: float) -> Array:
     """(c,) relative, of a mean over so many lines of the density; none of the `silent`, which count by what is stated."""
     return np.asarray(np.where(silent, 0.0, min(SAME_NOISE / max(lines, 1.0), 1.0) / found.segments))
-
-
-def _step(found: Density) -> float:
-    return float(found.frequency[1] - found.frequency[0])
 
 
 def of_full_record(densities: Array, duration: Array) -> Array:

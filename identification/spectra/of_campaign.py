@@ -189,7 +189,7 @@ def _transformed(
     sd = np.where(sd > noise.NOTHING * np.abs(stacked).max(axis=(0, 1)), sd, 0.0)
     held = ", ".join(f"{run.name} by {pilot}" for run, pilot in zip(campaign.runs, pilots, strict=False))
     biased = (f"peak-reference-hold is biased near lightly damped resonances; reference of each run: {held}",) if pilots else ()
-    ends = peak_hold.warnings(campaign) if method == "full-record" else ()
+    ends = peak_hold.warnings(campaign, known.floors) if method == "full-record" else ()
     made = _spectra(campaign, lines, stacked, sd, method, (*_beyond_drive(campaign, lines), *ends, *biased, *known.unknown))
     return replace(made, noise_scatter=known.scatter, noise_spread=known.spread)
 

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array
-from identification.campaign import Campaign, block_length, block_rms, noise_floors
+from identification.campaign import Campaign, block_length, block_rms
 from identification.spectra.line_spectra import hann
 
 BLOCK_SIZE, OVERLAP = 8192, 0.9
@@ -241,25 +241,20 @@ NAMED = 3
 """How many channels a warning names."""
 
 
-def warnings(campaign: Campaign) -> tuple[str, ...]:
-    """Sentences about runs of time histories that do not begin or end at rest."""
-    # (c,) broadband noise; 0 where it is not known
-    stated = np.array([channel.noise_rms or 0.0 for channel in campaign.table.channels])
-    measured = noise_floors(campaign)
-    floors = stated if measured is None else np.where(measured > 0, measured, stated)
+def warnings(campaign: Campaign, floors: Array) -> tuple[str, ...]:
+    """Sentences about runs of time histories that do not begin or end at rest; `floors` (r, c) as of `noise.OfLines`."""
     found = []
-    for run in campaign.runs:
+    for run, floor in zip(campaign.runs, floors, strict=True):
         recorded = campaign.recordings[run.name]
         if recorded.sampling_rate is None:
             continue
-        forward, backward = recorded.values, recorded.values[::-1]
-        rms = recorded.rms
+        values, rms = recorded.values, recorded.rms
         if len(rms) < 2:
             continue
-        last = block_rms(backward[: block_length(recorded.sampling_rate)], recorded.sampling_rate)
+        last = block_rms(values[::-1][: block_length(recorded.sampling_rate)], recorded.sampling_rate)
         level = rms.max(axis=0)
-        still = np.where(floors > 0, np.maximum(IN_MOTION * floors, NEGLIGIBLE * level), UNKNOWN * level)
-        first = np.abs(forward[0] - forward.mean(axis=0))
+        still = np.where(floor > 0, np.maximum(IN_MOTION * floor, NEGLIGIBLE * level), UNKNOWN * level)
+        first = np.abs(values[0] - values.mean(axis=0))
         begins = (rms[0] > still) & (first > JERK / IN_MOTION * still)
         began = "begins in motion", "what went before is missing from its spectra", "Start recording before the drive"
         ended = "ends before the ring-down", "what would have followed is missing from its spectra", "Record longer"

@@ -351,6 +351,22 @@ def test_what_rings_on_the_structure_is_not_noise_of_its_load_cell(campaign: Cam
     assert_allclose(found, plain, rtol=0.5)  # a run less: other noise
 
 
+def test_a_run_recorded_in_a_wider_range_has_the_noise_of_its_own_and_neither_begins_nor_ends_in_motion(
+    campaign: Campaign,
+) -> None:
+    whole, random = longer(campaign), np.random.default_rng(5)
+    stated = np.array([channel.noise_rms for channel in campaign.table.channels])
+    one = whole.recordings["x"]
+    loud = replace(one, values=one.values + 3 * stated * random.standard_normal(one.values.shape))
+    made = replace(whole, recordings={**whole.recordings, "x": loud})
+    found = noise.of_lines(made, LINES)
+    ranges = np.where([run.name == "x" for run in made.runs], 10.0, 1.0)  # of power: 1 and 3 squared
+    # four segments of 2 s of one run, seventeen lines of each: 12 %, three of them, and the worst of 22 channels
+    assert_allclose(found.density.mean(axis=1), ranges[:, None] * stated**2 / RATE, rtol=0.5)
+    assert_allclose(found.floors, np.sqrt(ranges)[:, None] * stated, rtol=0.1)
+    assert not [said for said in spectra(made).warnings if "motion" in said or "ring-down" in said]
+
+
 def changed(campaign: Campaign, change: Callable[[Array], Array], stated: bool = True) -> Campaign:
     """The campaign with the samples of every run changed, without floors in its table unless `stated`."""
     channels = tuple(one if stated else replace(one, noise_rms=None) for one in campaign.table.channels)
