@@ -262,8 +262,9 @@ def shifted(ways: Array, by: float) -> tuple[Array, Array]:
     """By how much what moves a place changes `by` [m] beside it, and by a metre more, of its `ways` (o, ...) along that axis:
     powers within `BESIDE`, beyond as straight as they end."""
     within, orders = float(np.clip(by, -BESIDE, BESIDE)), np.arange(1, len(ways) + 1)
-    slope = np.tensordot(orders * within ** (orders - 1.0), ways, axes=1)
-    return np.tensordot(within**orders, ways, axes=1) + (by - within) * slope, slope
+    slope = orders * within ** (orders - 1.0)
+    both = np.stack([within**orders + (by - within) * slope, slope]) @ ways.reshape(len(ways), -1)
+    return both[0].reshape(ways.shape[1:]), both[1].reshape(ways.shape[1:])
 
 
 def nearest_node(structure: Structure, point: Array) -> tuple[int, float, float]:

@@ -95,8 +95,7 @@ def goodness_of_fit(fit: Fit, problem: Problem) -> GoodnessOfFit:
         seen = observed(one.measured, lines := problem.lines_of(one))
         noise = np.square(seen.noise)
         s = noise / np.maximum(noise + np.square(FLOOR * seen.floor), tiny)
-        read = one.at(fit.by_name, lines, derivatives=False) if one.measured.unmeasured else None
-        count = np.ones(s.shape) if read is None else freedom(seen, read, FLOOR)
+        count = freedom(seen, one.at(fit.by_name, lines, derivatives=False), FLOOR)
         shares.append((s * (1 + s * one.measured.noise_scatter**2) + one.measured.discrepancy * (1 - s)).ravel())
         counts.append(count.ravel())
         sums.append(float(np.sum(count * s)))

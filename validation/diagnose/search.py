@@ -628,16 +628,19 @@ def _fits_in_band(
 def _restarted_where_stuck(
     data: Study, at: Candidate, here: GoodnessOfFit, tried: Sequence[CandidateFit], found: Sequence[Screened], progress: Progress
 ) -> list[CandidateFit]:
-    """The fits, the best first; restarted from the priors where all fell short of a promise and something must be missing."""
+    """The fits, the best first; restarted from the priors where all fell short of a promise and something must be missing. Where
+    the best leaves nothing, what promised clearly more and kept little of it is."""
     ranked, promised = sorted(tried, key=lambda each: -each.evidence), {one.id: one.evidence for one in found}
-    if here.null or not ranked or ranked[0].goodness.null:
+    if here.null or not ranked:
         return ranked
+    left = not ranked[0].goodness.null
+    least = ranked[0].evidence + (0.0 if left else INDISTINGUISHABLE_NATS)
     able = [one for one in ranked if can_restart(one.added)]
-    short = [one for one in able if promised[one.id] > max(ranked[0].evidence, one.evidence / KEPT_SHARE)]
+    short = [one for one in able if promised[one.id] > max(least, one.evidence / KEPT_SHARE)]
     begins = [one.added for one in sorted(short, key=lambda each: -promised[each.id])[:FEW]]
-    if here.largest >= ABSURD:  # from there a straight line promises nothing of a resonator beside what tolerances have moved
+    if left and here.largest >= ABSURD:  # from there a line promises nothing of a resonator beside what tolerances have moved
         begins += _resonators_at_home(data, at, found)[:FEW]
-    if at.effects:  # what a straight line does not promise, as what gives at a rigid joint, is seen beside what is known
+    if left and at.effects:  # what a straight line does not promise, as what gives at a rigid joint, is seen beside what is known
         fitted = {one.id for one in ranked} | {one.named.id for one in begins}
         asked = [one.added for one in found if one.id not in fitted and seen_from_afar(one.added)]
         begins += [added for added, _ in _nearest_by_lines(data, at, asked, progress)[:FEW]]

@@ -187,16 +187,14 @@ def residual(seen: ObservedLines, predicted: Predicted, floor: float) -> Complex
 def freedom(seen: ObservedLines, predicted: Predicted, floor: float) -> Array:
     """(r, m, c) By how much chi² grows with the variance of each channel; their sum are its degrees of freedom.
 
-    Latent inputs take one value a line each, spread evenly. Inputs that nobody measured, of which a size is known, take what
-    they can: with the projection P = 1 - Q Q^H that eliminates all inputs, the residuals of the channels R that were read have
-    the mean square sum_c v_c sum_(a in R) |P_ac|², where v_c is the variance of channel c over what is allowed for. Such an input
-    is stated as the largest that it may be, so that v = 0 there, and what is left is tr P_RR² (T. Hastie and R. Tibshirani,
-    Generalized Additive Models, 1990, 3.5). Were it as large as that, chi² would come to tr P_RR.
+    Latent inputs take what they can: with the projection P = 1 - Q Q^H that eliminates them, the residuals of the channels R that
+    were read have the mean square sum_c v_c sum_(a in R) |P_ac|², where v_c is the variance of channel c over what is allowed
+    for. An input that nobody measured is stated as the largest that it may be, so that v = 0 there, and what is left is tr P_RR²
+    (T. Hastie and R. Tibshirani, Generalized Additive Models, 1990, 3.5). Were it as large as that, chi² would come to tr P_RR.
     """
-    if not seen.unmeasured.any():
-        taken = predicted.rows.shape[-1] / seen.values.shape[2] if seen.inputs is None else 0.0
-        return np.broadcast_to(seen.parts * (1 - taken), seen.values.shape)
-    read = ~seen.unmeasured
+    if seen.inputs is not None:
+        return np.broadcast_to(np.float64(seen.parts), seen.values.shape)
+    read = np.broadcast_to(~seen.unmeasured, seen.values.shape[2:])
     Q, _ = np.linalg.qr(seen.weight(floor, predicted.noise)[..., None] * predicted.rows)
     P = np.eye(len(read)) - Q @ Q.conj().swapaxes(-1, -2)
     return np.asarray(seen.parts * read * np.sum(np.square(np.abs(P[..., read, :])), axis=-2))
@@ -353,8 +351,11 @@ class Cost:
         """Real numbers that the data leave when latent inputs are taken out, and the facts; counted at `x` (p,)."""
         offsets, found = self.offsets(x), float(len(self.problem.facts))
         for one, lines, seen in self.observed:
-            some = lines if seen.unmeasured.any() else lines[:1]  # of known inputs, and free ones, one line tells it
-            found += float(np.sum(freedom(seen, one.at(offsets, some, derivatives=False), self.floor)))
+            if seen.unmeasured.any():
+                found += float(np.sum(freedom(seen, one.at(offsets, lines, derivatives=False), self.floor)))
+                continue
+            latent = one.at(offsets, lines[:1], derivatives=False).rows.shape[-1] if seen.inputs is None else 0
+            found += seen.parts * float(np.prod(seen.values.shape[:2])) * (seen.values.shape[2] - latent)
         return round(found)
 
 

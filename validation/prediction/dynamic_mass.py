@@ -616,7 +616,7 @@ class SupportedDynamicMass:
             found = (loads @ moved.transpose(1, 2, 0)) * np.einsum("pnj,rnj->rnp", moved, inputs @ X.T, optimize=True)[:, :, None]
         if sensors:
             own = rows[:, solved.matrices.base :]
-            bending = self._bending(solved.matrices, sensors, offsets)[0][:, solved.matrices.base :]
+            bending = self._bending(solved.matrices, sensors, offsets, False)[0][:, solved.matrices.base :]
             back = answering(solved.matrices, solved.answered.omega)(bending)[:, : own.shape[1]]
             driven = np.einsum("pnj,rnj->rnp", moved, inputs @ T.T, optimize=True)
             found = found - (bent @ (own @ back).swapaxes(1, 2)) * driven[:, :, None]
@@ -679,7 +679,7 @@ class SupportedDynamicMass:
         if solved is None:
             return np.zeros((len(frequency), 3 * len(sensors), 6), dtype=np.complex128), {}
         matrices, tangents, answered = solved.matrices, solved.tangents, solved.answered
-        b, pose, (bent, beside) = matrices.base, self.standing.pose, self._bending(matrices, sensors, offsets)
+        b, pose, (bent, beside) = matrices.base, self.standing.pose, self._bending(matrices, sensors, offsets, derivatives)
         back = np.zeros((len(matrices.mass), len(frequency), len(bent)), dtype=np.complex128)
         if tangents and len(matrices.mass) > b:
             back[b:] = answering(matrices, 2 * np.pi * frequency)(bent[:, b:]).transpose(1, 0, 2)
@@ -693,25 +693,25 @@ class SupportedDynamicMass:
             if np.any(turning) and is_wanted(name, derivatives):
                 found[name] = own.matrix @ R.T @ turning
         for name, (k, rows) in beside.items():
-            if is_wanted(name, derivatives):
-                found[name] = np.zeros((len(frequency), len(bent), 6), dtype=np.complex128)
-                found[name][:, 3 * k : 3 * k + 3] = rows @ answered.right.transpose(1, 0, 2) @ R.T @ T
+            found[name] = np.zeros((len(frequency), len(bent), 6), dtype=np.complex128)
+            found[name][:, 3 * k : 3 * k + 3] = rows @ answered.right.transpose(1, 0, 2) @ R.T @ T
         return own.matrix @ R.T @ T, found
 
-    def _bending(self, of: Matrices, sensors: Sequence[str], offsets: Offsets) -> tuple[Array, dict[str, tuple[int, Array]]]:
+    def _bending(
+        self, of: Matrices, sensors: Sequence[str], offsets: Offsets, derivatives: Wanted
+    ) -> tuple[Array, dict[str, tuple[int, Array]]]:
         """(3 a, k) what each coordinate but those of the base moves the accelerometers along the axes of F, where they sit at
-        `offsets`; and by parameter of their position which of them it moves by what (3, k), where the model knows it."""
-        R, its_own, bent, beside = self.standing.pose.rotation, np.arange(len(of.mass)) >= of.base, [], {}
+        `offsets`; and by wanted parameter of their position which of them it moves by what (3, k), where the model knows it."""
+        R, its_own, bent = self.standing.pose.rotation, np.arange(len(of.mass)) >= of.base, []
+        beside: dict[str, tuple[int, Array]] = {}
         for k, (name, place) in enumerate((one, self.standing.sensors[one]) for one in sensors):
-            rows = R @ of.places[place] * its_own
-            for axis, way in zip("xyz", R if place in of.gradients else (), strict=False):
-                which = f"accelerometer-position:{name}:{axis}"
-                told = [
-                    shifted(ways, share * offsets.get(which, 0.0)) for ways, share in zip(of.gradients[place], way, strict=True)
-                ]
-                rows = rows + R @ sum(moved for moved, _ in told) * its_own
-                beside[which] = k, R @ sum(share * slope for (_, slope), share in zip(told, way, strict=True)) * its_own
-            bent.append(rows)
+            rows, which = of.places[place], [f"accelerometer-position:{name}:{axis}" for axis in "xyz"]
+            by, told = R.T @ [offsets.get(one, 0.0) for one in which], [is_wanted(one, derivatives) for one in which]
+            if place in of.gradients and (any(told) or by.any()):
+                moved, slopes = np.array([shifted(*one) for one in zip(of.gradients[place], by, strict=True)]).swapaxes(0, 1)
+                rows = rows + moved.sum(axis=0)
+                beside |= {which[i]: (k, R @ np.tensordot(R[i], slopes, axes=1) * its_own) for i in np.flatnonzero(told)}
+            bent.append(R @ rows * its_own)
         return np.vstack(bent), beside
 
     def _seated(self, of: MountedDynamicMass, offsets: Offsets) -> tuple[Seated, dict[str, tuple[Array, Array]]]:
@@ -746,8 +746,9 @@ class SupportedDynamicMass:
         self, solved: "SolvedStructure", effects: Sequence[Added], drive: BaseDrive, *, derivatives: Wanted
     ) -> tuple[MountedDynamicMass, Tangents]:
         R = _turned(self.standing.pose)
-        left, right = (side @ R.T for side in (solved.answered.left, solved.answered.right))
-        turned = replace(solved.answered, matrix=R @ solved.answered.matrix @ R.T, left=left, right=right)
+        turned = replace(solved.answered, matrix=R @ solved.answered.matrix @ R.T)
+        if solved.tangents:
+            turned = replace(turned, left=turned.left @ R.T, right=turned.right @ R.T)
         mounted = MountedDynamicMass(
             frequency=turned.frequency,
             matrix=turned.matrix,

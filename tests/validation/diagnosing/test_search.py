@@ -234,6 +234,15 @@ def test_what_kept_less_than_half_of_the_best_promise_is_tried_afresh_and_taken_
     assert (asked, [one.evidence for one in worse]) == ([fits[0].id], [40.0])
 
 
+@pytest.mark.parametrize(("promise", "better"), [(365.0, True), (321.0, False)])
+def test_what_promised_clearly_more_than_a_fit_that_leaves_nothing_and_kept_nothing_is_tried_afresh(monkeypatch, promise, better):
+    """A portal with 120 g between two halves of its beam: 34 % on the one left nothing, and the mass had stuck at none."""
+    fits = [ended(MASSES[0], 317.0, null=True), ended(MASSES[1], -4.0)]
+    best_first, asked = unstuck(monkeypatch, fits, (316.0, promise), 369.0)
+    assert asked == [fits[1].id] * better
+    assert best_first[0].id == fits[int(better)].id
+
+
 @pytest.mark.parametrize(("largest", "afresh"), [(ABSURD + 0.1, True), (ABSURD - 0.1, False)])
 def test_resonators_are_tried_afresh_where_tolerances_stand_absurdly_far_off(monkeypatch, largest, afresh):
     of, right = ended(MASSES[0], 39.0), Added(named=parse("absorber:mast-top=m:0.005,f:11.6,zeta:0.02"))
@@ -289,11 +298,10 @@ def test_beside_a_table_of_modes_no_resonator_is_tried_afresh_however_far_tolera
     assert [one.id for one in some] == [of.id]
 
 
-@pytest.mark.parametrize(("here", "best"), [(True, False), (False, True)])
-def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch, here, best):
-    best_first, asked = unstuck(
-        monkeypatch, [ended(MASSES[0], 1.0, best), ended(MASSES[1], 2.0, best)], (100.0, 100.0), 5.0, here
-    )
+@pytest.mark.parametrize(("here", "best", "promise"), [(True, False, 100.0), (False, True, 7.0)])
+def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch, here, best, promise):
+    fits = [ended(MASSES[0], 1.0, best), ended(MASSES[1], 2.0, best)]
+    best_first, asked = unstuck(monkeypatch, fits, (promise, promise), 5.0, here)
     assert not asked
     assert [one.evidence for one in best_first] == [2.0, 1.0]
 
@@ -790,7 +798,7 @@ def fitted(*, misfit: float = 0.9, z: np.ndarray | None = None) -> Fit:
 def noisy(monkeypatch) -> Any:
     """A problem whose likelihood allows for noise and as much again of a floor."""
     noise = np.ones((1, 4, 2))
-    seen = SimpleNamespace(noise=noise, floor=noise / FLOOR)
+    seen = SimpleNamespace(noise=noise, floor=noise / FLOOR, values=noise, inputs=noise, parts=2)
     monkeypatch.setattr("validation.diagnose.candidate_fits.observed", lambda measured, lines: seen)
     return SimpleNamespace(predictions=(of_spread(0.0),), lines_of=lambda one: None)
 
@@ -798,7 +806,7 @@ def noisy(monkeypatch) -> Any:
 def of_spread(spread: float, scatter: float = 0.0, discrepancy: float = 0.0) -> SimpleNamespace:
     """A data set whose noise is known so well."""
     told = {"noise_spread": spread, "discrepancy": discrepancy, "noise_scatter": scatter}
-    return SimpleNamespace(measured=SimpleNamespace(**told, is_real=False, read=None, unmeasured=()))
+    return SimpleNamespace(measured=SimpleNamespace(**told, is_real=False, read=None), at=lambda *_, **__: None)
 
 
 def one_far(z: float) -> np.ndarray:

@@ -218,6 +218,21 @@ def test_chi2_of_what_was_read_grows_with_its_noise_by_its_freedom_and_stays_bel
             assert chi2 > 1.02 * count
 
 
+def test_channels_that_hardly_tell_more_than_the_inputs_count_by_what_they_leave(drawn):
+    """Three quiet channels that a table's motions take up, beside six noisy ones of what stands on it."""
+    draws, below = 20_000, np.arange(CHANNELS) < 3
+    predicted = Predicted(rows=np.tile(drawn(1, CHANNELS, INPUTS), (draws, 1, 1)))
+    sd = np.where(below, 0.01, 1.0) * np.ones((1, draws, 1))
+    used = np.where(below, 0.1, 1.0)  # of the variance that is allowed for: below most of it is a model's error
+    values = np.sqrt(used / 2) * sd * drawn(1, draws, CHANNELS)
+    of = ObservedLines(runs=("x",), values=values, noise=sd, floor=0 * sd, inputs=None)
+    chi2 = np.sum(np.square(np.abs(likelihood.residual(of, predicted, 0.0)))) / draws
+    count = likelihood.freedom(of, predicted, 0.0)
+    assert count.sum() / draws == pytest.approx(2 * (CHANNELS - INPUTS), rel=1e-9)
+    assert chi2 == pytest.approx(np.sum(count * used) / draws, rel=0.01)
+    assert chi2 > 1.15 * np.average(used) * count.sum() / draws  # each channel alike would promise so much less
+
+
 def linear(lab, truth, tolerances):
     """Everything is known but offsets of gains, in which a prediction with known inputs is linear."""
     effects = [lab.effect(name, tolerance) for name, tolerance in tolerances.items()]
