@@ -114,7 +114,10 @@ def test_what_is_printed_and_reported_knows_no_fmd_and_no_campaign(lab, run):
     assert "No inertia was identified: that takes motions of a base" in page
 
 
-@pytest.mark.parametrize("only", [("--candidate", "modulus"), pytest.param((), id="all families", marks=pytest.mark.proof)])
+BRIEF = ("--candidate", "modulus", "--candidate", "point-mass")
+
+
+@pytest.mark.parametrize("only", [BRIEF, pytest.param((), id="all families", marks=pytest.mark.proof)])
 def test_a_table_of_modes_is_told_by_mode_and_without_a_frequency_of_its_mean(tmp_path, three_floors, run, only):
     K, M = matrices(HIDDEN)
     squares, shapes = np.linalg.eigh(K / M[0, 0])

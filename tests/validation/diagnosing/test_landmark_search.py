@@ -158,7 +158,13 @@ def test_shapes_that_tolerances_move_by_very_much_can_be_looked_at_from_afar(por
     assert np.all(np.diag(view.root) >= 1 - 1e-9)
 
 
-@pytest.mark.parametrize("only", [["support-stiffness"], pytest.param([], id="all families", marks=pytest.mark.proof)])
+@pytest.mark.parametrize(
+    "only",
+    [
+        ["support-stiffness", "accelerometer-gain"],
+        pytest.param([], id="all families", marks=pytest.mark.proof),
+    ],
+)
 def test_what_is_alike_from_afar_is_told_apart_by_a_pick_up_that_is_proposed(portal, tmp_path, run, only):
     """Which of two feet of a portal is soft its middle does not tell; the class had no more than what would confirm one of it."""
     study = table_of_middle(portal, run, "x", "y")
