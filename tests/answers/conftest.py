@@ -533,7 +533,9 @@ def stored() -> Callable[[str], list[Answer]]:
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if "kind" in metafunc.fixturenames:
-        metafunc.parametrize("kind", kinds())
+        asks = "ask" in metafunc.fixturenames
+        marked = {name: [pytest.mark.proof] * (asks and kind.get("proof", False)) for name, kind in kinds().items()}
+        metafunc.parametrize("kind", [pytest.param(name, marks=marks) for name, marks in marked.items()])
 
 
 @pytest.fixture

@@ -65,9 +65,9 @@ LONG = {
         "your-own-structure.md",
         "three-storey-frame.md",
     ),
-    *("diagnose-pendulum.md", "own-article.md", "own-model.md", "verification.md"),
+    *("diagnose-pendulum.md", "own-article.md", "own-model.md", "verification.md", "virtual-tests.md", "model-file.md"),
 }
-"""Pages whose commands take five seconds of computing and more: they are run by `make proof`, the others by `make test`."""
+"""Pages whose commands take two seconds of computing and more: they are run by `make proof`, the others by `make test`."""
 
 
 @dataclass(frozen=True, kw_only=True)

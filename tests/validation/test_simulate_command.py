@@ -228,6 +228,7 @@ def test_interrupted_while_writing_nothing_is_left_half_written(run, monkeypatch
     assert list(Path().iterdir()) == []
 
 
+@pytest.mark.proof  # a process and seconds of it; test_interrupts.py ends others, below it is interrupted while it writes
 def test_ctrl_c_ends_it_at_once_and_leaves_nothing(tmp_path, keyboard):
     entry = (sys.executable, "-P", "-c", "from validation.cli.main import main; main()")
     arguments = ("simulate", "fmd+clumod-4", "--out", "made", "--octaves-per-minute", "0.5", "--levels", "1,0.9,0.8")

@@ -11,6 +11,7 @@ def number(page: Any) -> Any:
     return page.locator("#band")
 
 
+@pytest.mark.proof  # four windows; test_windows.py holds who keeps a process, test_page.py and test_door.py have such windows
 def test_two_windows_do_not_disturb_each_other_a_reload_keeps_the_state_and_a_duplicated_tab_gets_its_own(start_app, visit):
     bench = start_app("--stay")
     first = visit(bench)
@@ -44,7 +45,9 @@ def at_work(start_app: Any, visit: Any, until: Any, series: tuple[str, str]) -> 
     return bench, page, bench.descendants()
 
 
-@pytest.mark.parametrize("ending", ["the page is closed", pytest.param("ctrl-c", marks=pytest.mark.proof), "the door is killed"])
+@pytest.mark.parametrize(
+    "ending", [*(pytest.param(one, marks=pytest.mark.proof) for one in ("the page is closed", "ctrl-c")), "the door is killed"]
+)
 def test_however_it_ends_every_window_and_its_work_are_gone(ending, start_app, visit, until, alive, series):
     bench, page, every = at_work(start_app, visit, until, series)
     if ending == "the page is closed":

@@ -1,11 +1,15 @@
 """A rung up and down again: the error, the curve and the identified inertia move, and nothing of the user's does."""
 
+import asyncio
 import json
 import shlex
 import shutil
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,8 +17,11 @@ import pytest
 from geometry.errors import BadInput
 from validation.app import curves, workers
 from validation.app.opening import Handed, received
+from validation.app.options import StartOptions
+from validation.app.panels import stands
 from validation.app.session import Session, begun, digest
-from validation.app.state import unsaved
+from validation.app.state import WindowState, unsaved
+from validation.app.window import first_state
 from validation.estimation.verdicts import expected_z2, largest_z
 from validation.history import history
 from validation.history.history import Source, history_position
@@ -61,6 +68,28 @@ def test_adding_moves_error_curve_and_inertia_and_undo_brings_all_back(worked, c
     assert climbed.diagnosis() is not None
     assert climbed.go_to(1).text == text
     assert climbed.comparison() is not None
+
+
+def test_a_window_shows_what_stands_on_a_desk_with_two_rungs(worked, climbed):
+    class State(SimpleNamespace):
+        def flush(self) -> None: ...
+
+        def __getitem__(self, name: str) -> Any:
+            return getattr(self, name)
+
+    for desk in (worked.desk, climbed):
+        window = WindowState(state=State(**first_state()), folder=desk.folder, opened=StartOptions(), session=desk)
+        object.__setattr__(window, "begin", lambda work: work.close())  # what moves a slider is made ready elsewhere
+        with ThreadPoolExecutor(1) as pool:  # a browser's driver may have a loop in this thread
+            pool.submit(asyncio.run, stands(window)).result()
+        plain = desk.comparison().summary["plain_error_percent"]
+        assert [one["number"] for one in window.state.rungs] == [one.number for one in reversed(desk.ladder().ladder.rungs)]
+        assert f"{plain:.3g}" in json.dumps(window.state.errors)
+        if (found := desk.diagnosis()) is not None:
+            assert window.state.verdict["headline"] == found.sentences["headline"]
+            assert window.state.ranking[0]["id"] == found.accepted[0].id
+        assert window.state.fig_ladder is not None
+        assert window.state.fig_inertia is not None
 
 
 @pytest.mark.proof

@@ -59,14 +59,14 @@ def test_structures_behind_the_first_thirty_stand_on_a_base_and_change_none_of_t
     assert {(one.shape, one.test) for one in behind} == set(product(set(shapes.KINDS) - {"plate"}, ON_BASE))
 
 
-@pytest.mark.parametrize("test", ON_BASE)
+@pytest.mark.parametrize("test", [pytest.param(one, marks=[pytest.mark.proof] * (one == ON_BASE[1])) for one in ON_BASE])
 def test_a_sound_structure_on_a_base_is_read_with_the_noise_that_it_has(test: str, tmp_path: Path) -> None:
     """Of spectra without forces noise counted as 0, though accelerometers of a base are more than six: chi² was 594 of a sound
     frame and is 0.93."""
     case = next(one for one in draw(1279881654, ("nulls",), STRUCTURES) if (one.shape, one.test) == ("frame", test))
     truth = sealing.sealed(case, tmp_path / "case")
     assert (truth["test"], truth["planted"]) == (test, [])
-    study = Study.open(tmp_path / "case" / "model.toml", [tmp_path / "case" / "campaign"], band=(40.0, 80.0))
+    study = Study.open(tmp_path / "case" / "model.toml", [tmp_path / "case" / "campaign"], band=(60.0, 80.0))
     (of,) = study.made
     base = [k for k, name in enumerate(of.measured.channels) if name.startswith("base")]
     noise = of.measured.noise[:, :, base]
@@ -77,6 +77,7 @@ def test_a_sound_structure_on_a_base_is_read_with_the_noise_that_it_has(test: st
     assert fit.tolerance_z2 < fit.tolerances
 
 
+@pytest.mark.proof  # a large case for its rounding; frames on a base are read above
 def test_coordinates_of_boxes_on_a_base_stay_apart_from_one_another(tmp_path: Path) -> None:
     """What little of the large answer to a joint lay outside the others was rounding: "leading minor of order 83 of B"."""
     case = next(one for one in draw(1279881654, ("nulls",), STRUCTURES) if (one.shape, one.test) == ("boxes", ON_BASE[0]))
@@ -85,7 +86,7 @@ def test_coordinates_of_boxes_on_a_base_stay_apart_from_one_another(tmp_path: Pa
     assert of.structure is not None
 
 
-@pytest.mark.parametrize("kind", shapes.KINDS)
+@pytest.mark.parametrize("kind", [pytest.param(one, marks=[pytest.mark.proof] * (one == "barrel")) for one in shapes.KINDS])
 def test_the_finer_mesh_weighs_what_the_coarse_one_does_and_a_fault_changes_what_it_says(kind: str, tmp_path: Path) -> None:
     plan = shapes.drawn(kind, stream(7, kind))
     point = next(iter(plan.mesh(fine=False).nodes))
@@ -165,6 +166,7 @@ def test_a_loss_of_a_part_is_right_where_hardly_any_mode_moves_what_is_driven(tm
     assert away.max() < 1e-3 * np.abs(due).max()
 
 
+@pytest.mark.proof  # a barrel's whole matrices; what a part's thickness does is held in prediction/test_any_structure.py
 def test_a_thinner_part_gives_at_places_as_the_whole_structure_does(tmp_path: Path) -> None:
     """A ring of a barrel, a third thinner, bends more than it stretches: what its points gave was off by as much as it was."""
     plan = shapes.drawn("barrel", stream(7, "barrel"))

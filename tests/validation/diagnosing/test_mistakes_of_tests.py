@@ -129,6 +129,7 @@ def test_a_place_is_wrong_where_what_else_moves_is_as_expected_and_not_by_what_h
     assert [cause.id for cause in found] == ids
 
 
+@pytest.mark.proof  # three brackets of solids and shells; mistakes of a frame are named above
 @pytest.mark.parametrize(
     ("kind", "text"),
     [("functions", "polarity:low-x"), ("hammer", "wrong-direction:low-z:x"), ("hammer", "unit:rib-y=9.80665")],

@@ -208,6 +208,14 @@ def test_an_offset_and_a_shifted_centre_of_gravity_are_one_to_the_data_and_turni
     assert "Run the Cuboid" not in told_by  # it was run
 
 
+def test_what_was_weighed_is_not_offered_again(aside):
+    offered = menu_of(aside)
+    templates = [Template.of(one, both_known(aside)[0]) for one in aside[0].made]
+    again = {one.words for one in menu(templates, (), offered["Weigh the Cuboid"].numbers)}
+    assert "Weigh the Cuboid" not in again
+    assert "Find the centre of gravity of the Cuboid on the crane" in again
+
+
 def test_a_place_that_the_drawing_has_not_is_offered_no_mass(aside, monkeypatch):
     """Of a user's own article that is called as a built-in one."""
     there = next_test_offers.locations("cuboid")

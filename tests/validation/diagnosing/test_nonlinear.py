@@ -8,7 +8,7 @@ import pytest
 from geometry.errors import BadInput
 from geometry.frames import Array
 from identification.campaign import Recording
-from validation.diagnose.nonlinear import differing_levels, nonlinear, require_levels
+from validation.diagnose.nonlinear import differing_levels, distorted_runs, nonlinear, require_levels
 from validation.effects.catalogue import parse_all
 from validation.model.model import Added, Model
 from validation.prediction.series import SeriesPrediction, predictions
@@ -106,8 +106,16 @@ def test_a_gap_is_named_with_its_cell_and_preload(linear):
     np.testing.assert_allclose(best.sizes[0].value, 15.0, rtol=0.05)  # the equation is of what the nominal model says it carries
 
 
-@pytest.mark.proof  # the stored answers name one
-@pytest.mark.proof  # the stored answers of a nonlinear test are such a diagnosis
+def test_peaks_are_those_of_the_records(tested):
+    bent_records = saturated(tested, "fmd-z1", 0.1)
+    (of,) = distorted_runs(bent_records, differing_levels(bent_records))
+    k = of.of.channels.index("fmd-z1")
+    for peak, partner in zip(of.peak[:, k], of.of.partner, strict=True):
+        record = bent_records.campaigns[0].recordings[of.of.runs[partner]].channel("fmd-z1")
+        assert peak == pytest.approx(np.abs(record - record.mean()).max(), rel=1e-12)
+
+
+@pytest.mark.proof  # friction above is named the same way, from peaks as they are held above
 def test_saturation_in_the_record_is_named_with_its_channel_and_share(tested):
     bent_records = saturated(tested, "fmd-z1", 0.1)
     found = differing_levels(bent_records)

@@ -298,8 +298,12 @@ def standing(of: Study) -> Candidate:
     return Candidate(effects=(), fit=nothing, problem=of.problem())
 
 
-@pytest.mark.parametrize("beside", [{}, OTHERS], ids=["alone", "with others"])
-@pytest.mark.parametrize(("name", "size"), [(f"point-mass:{MIDDLE}", 0.05), (f"cable:{MIDDLE}:z", 2e3)])
+@pytest.mark.parametrize(
+    "beside", [pytest.param({}, id="alone", marks=pytest.mark.proof), pytest.param(OTHERS, id="with others")]
+)
+@pytest.mark.parametrize(
+    ("name", "size"), [(f"point-mass:{MIDDLE}", 0.05), pytest.param(f"cable:{MIDDLE}:z", 2e3, marks=pytest.mark.proof)]
+)
 def test_one_solution_says_of_a_node_what_is_read_with_an_effect_there_on_a_base_that_moves(
     study: Path, beside: Mapping[str, float], name: str, size: float
 ) -> None:
@@ -389,6 +393,7 @@ def test_a_slider_of_the_workbench_reads_accelerometers_on_the_article_too(study
         np.testing.assert_array_equal(remembers.at({}, lines, derivatives=False).rows, rows)
 
 
+@pytest.mark.proof  # a fit; test_part_nearly_gone.py and test_clamps.py are such large changes of a whole structure
 def test_a_mast_three_times_as_stiff_is_held_against_the_whole_structure_on_a_base_too(
     study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -27,17 +27,17 @@ COLUMNS, ROWS = 18, 4
 
 
 @pytest.fixture
-def sheet(tmp_path: Path) -> Structure:
-    """A sheet of steel that is held at both ends, with a middle third of its own."""
-    number = {(i, j): 1 + j + (ROWS + 1) * i for i in range(COLUMNS + 1) for j in range(ROWS + 1)}
+def sheet(tmp_path: Path, request: pytest.FixtureRequest) -> Structure:
+    """A sheet of steel that is held at both ends, with a middle third of its own, in so many `columns` and `rows`."""
+    columns, rows = getattr(request, "param", (COLUMNS, ROWS))
+    number = {(i, j): 1 + j + (rows + 1) * i for i in range(columns + 1) for j in range(rows + 1)}
     lines = ["BEGIN BULK", "MAT1,1,210000.,,.3,7.85-9", "PSHELL,1,1,5.,1,,1", "PSHELL,2,1,5.,1,,1"]
-    lines += [f"GRID,{n},,{25.0 * i},{15.0 * j},0." for (i, j), n in number.items()]
-    for i in range(COLUMNS):
-        for j in range(ROWS):
+    lines += [f"GRID,{n},,{450.0 * i / columns},{60.0 * j / rows},0." for (i, j), n in number.items()]
+    for i in range(columns):
+        for j in range(rows):
             corners = [number[i + a, j + b] for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
-            lines.append(f"CQUAD4,{len(lines)},{2 if 6 <= i < 12 else 1},{','.join(map(str, corners))}")
-    ends = [number[i, j] for i in (0, COLUMNS) for j in range(ROWS + 1)]
-    lines += [f"SPC1,1,123456,{','.join(map(str, ends[:5]))}", f"SPC1,1,123456,{','.join(map(str, ends[5:]))}"]
+            lines.append(f"CQUAD4,{len(lines)},{2 if columns <= 3 * i < 2 * columns else 1},{','.join(map(str, corners))}")
+    lines += [f"SPC1,1,123456,{','.join(str(number[i, j]) for j in range(rows + 1))}" for i in (0, columns)]
     (tmp_path / "sheet.bdf").write_text("\n".join([*lines, "ENDDATA", ""]))
     (tmp_path / "sheet.toml").write_text(deck.described(tmp_path / "sheet.bdf")[0])
     return model.load(tmp_path / "sheet.toml")[1]
@@ -93,13 +93,18 @@ def study(sheet: Structure, tmp_path: Path, run: Callable[..., Any]) -> Callable
 OF_PARTS = tuple(word for family in ("modulus", "thickness", "mass") for word in ("--candidate", family))
 
 
+WHOLE = (COLUMNS, ROWS)
+
+
 @pytest.mark.parametrize(
-    ("left", "only"),
+    ("sheet", "left", "only"),
     [
-        pytest.param(0.01, OF_PARTS, id="0.01"),
-        pytest.param(0.005, OF_PARTS, id="0.005"),
-        pytest.param(0.01, (), id="0.01 beside all families", marks=pytest.mark.proof),
+        pytest.param((6, 2), 0.005, OF_PARTS, id="0.005 of a coarse sheet"),
+        pytest.param(WHOLE, 0.01, OF_PARTS, id="0.01", marks=pytest.mark.proof),
+        pytest.param(WHOLE, 0.005, OF_PARTS, id="0.005", marks=pytest.mark.proof),
+        pytest.param(WHOLE, 0.01, (), id="0.01 beside all families", marks=pytest.mark.proof),
     ],
+    indirect=["sheet"],
 )
 def test_what_is_left_of_a_part_is_named_alone_beside_exact_data(
     left: float, only: tuple[str, ...], study: Callable[[float], str], answer: Callable[..., Any]

@@ -23,6 +23,14 @@ def light(opened, page):
         assert found.complaints == []
 
 
+@pytest.fixture(scope="module")
+def dark(opened, page):
+    """The same for a reader whose system is dark."""
+    with opened(page, color_scheme="dark") as found:
+        yield found
+        assert found.complaints == []
+
+
 def test_from_the_disk_it_draws_everything_asks_nobody_and_fits_its_window(light, page):
     assert light.tab.evaluate("document.documentElement.dataset.drawn") == "all"
     drawn = light.tab.evaluate("[...document.querySelectorAll('.plot')].map(plot => plot.querySelectorAll('.main-svg').length)")
@@ -38,22 +46,24 @@ def test_from_the_disk_it_draws_everything_asks_nobody_and_fits_its_window(light
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_light_and_dark_follow_the_reader_and_the_switch_and_every_text_stands_out(opened, page, scheme, script, tmp_path):
+def test_light_and_dark_follow_the_reader_and_the_switch_and_every_text_stands_out(request, scheme, script):
     surfaces = {"light": "#ffffff", "dark": "#171b22"}
     other = {"light": "dark", "dark": "light"}[scheme]
-    with opened(page, color_scheme=scheme) as found:
-        assert found.tab.evaluate(SURFACE) == surfaces[scheme]
-        assert (found.tab.evaluate(TURNED) != "none") == (scheme == "dark")  # pictures are drawn on white
-        assert found.tab.evaluate(script("contrast")) == []
-        assert found.tab.evaluate(script("unlabelled")) == []
-        found.tab.screenshot(path=tmp_path / f"{scheme}.png")
-        found.tab.focus("#theme")
-        found.tab.keyboard.press("Enter")
-        found.becomes(SURFACE, surfaces[other])
-        assert found.tab.evaluate("document.documentElement.dataset.theme") == other
-        assert (found.tab.evaluate(TURNED) != "none") == (other == "dark")
-        assert found.tab.evaluate(script("contrast")) == []
-        assert found.complaints == []
+    found = request.getfixturevalue(scheme)
+    assert found.tab.evaluate(SURFACE) == surfaces[scheme]
+    assert (found.tab.evaluate(TURNED) != "none") == (scheme == "dark")  # pictures are drawn on white
+    assert found.tab.evaluate(script("contrast")) == []
+    assert found.tab.evaluate(script("unlabelled")) == []
+    found.tab.focus("#theme")
+    found.tab.keyboard.press("Enter")
+    found.becomes(SURFACE, surfaces[other])
+    assert found.tab.evaluate("document.documentElement.dataset.theme") == other
+    assert (found.tab.evaluate(TURNED) != "none") == (other == "dark")
+    assert found.tab.evaluate(script("contrast")) == []
+    found.tab.keyboard.press("Enter")
+    found.becomes(SURFACE, surfaces[scheme])
+    found.tab.evaluate("delete document.documentElement.dataset.theme")  # as it was opened
+    assert found.complaints == []
 
 
 def test_any_entry_is_chosen_by_keyboard_and_a_table_copies_with_all_digits(light, read):
@@ -75,19 +85,18 @@ def test_any_entry_is_chosen_by_keyboard_and_a_table_copies_with_all_digits(ligh
     assert {len(line) for line in lines} == {5}
 
 
-def test_paper_is_light_and_without_controls(opened, page, tmp_path):
-    with opened(page, color_scheme="dark") as found:
-        found.tab.emulate_media(media="print", color_scheme="dark")
-        found.tab.evaluate("dispatchEvent(new Event('beforeprint'))")
-        assert found.tab.evaluate(SURFACE) == "#ffffff"
-        assert found.tab.evaluate("getComputedStyle(document.querySelector('section')).backgroundColor") == "rgb(255, 255, 255)"
-        assert found.tab.evaluate(TURNED) == "none"
-        assert not found.tab.locator("button.copy").first.is_visible()
-        assert not found.tab.locator("nav.screen-only").is_visible()
-        assert found.tab.locator("nav.paper-only").is_visible()
-        found.tab.screenshot(path=tmp_path / "paper.png")
-        found.tab.evaluate("dispatchEvent(new Event('afterprint'))")
-        assert found.tab.evaluate(SURFACE) == "#171b22"
+def test_paper_is_light_and_without_controls(dark):
+    dark.tab.emulate_media(media="print", color_scheme="dark")
+    dark.tab.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert dark.tab.evaluate(SURFACE) == "#ffffff"
+    assert dark.tab.evaluate("getComputedStyle(document.querySelector('section')).backgroundColor") == "rgb(255, 255, 255)"
+    assert dark.tab.evaluate(TURNED) == "none"
+    assert not dark.tab.locator("button.copy").first.is_visible()
+    assert not dark.tab.locator("nav.screen-only").is_visible()
+    assert dark.tab.locator("nav.paper-only").is_visible()
+    dark.tab.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert dark.tab.evaluate(SURFACE) == "#171b22"
+    dark.tab.emulate_media(media="screen", color_scheme="dark")
 
 
 STANDING = ("accepted", "cannot be told from it", "adds too little", "leaves too much")
