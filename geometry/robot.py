@@ -119,11 +119,8 @@ def read(path: Path) -> Robot:
     elif root.tag == "mujoco":
         form, links = "MJCF", _Mjcf(path, root).links()
     else:
-        raise BadInput(
-            source=str(path),
-            problem=f"it is neither a URDF (<robot>) nor an MJCF (<mujoco>), found <{root.tag[:40]}>",
-            remedy="Give a robot description, or a STEP or mesh file",
-        )
+        problem = f"it is neither a URDF (<robot>) nor an MJCF (<mujoco>), found <{root.tag[:40]}>"
+        raise BadInput(source=str(path), problem=problem, remedy="Give a robot description, or a STEP or mesh file")
     names = [link.name for link in links]
     if doubled := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
         raise BadInput(
@@ -169,12 +166,8 @@ class _Numbers:
             numbers = np.empty(0)
         fewest = len(default) if least is None else least
         if not fewest <= len(numbers) <= len(default) or not np.isfinite(numbers).all():
-            raise BadInput(
-                source=str(self.path),
-                field=f"{element.tag} {name}",
-                problem=f"must be {len(default)} finite number{'s' * (len(default) > 1)}, found {text[:60]!r}",
-                remedy="Correct it",
-            )
+            problem = f"must be {len(default)} finite number{'s' * (len(default) > 1)}, found {text[:60]!r}"
+            raise BadInput(source=str(self.path), field=f"{element.tag} {name}", problem=problem, remedy="Correct it")
         return numbers
 
     def half_units(self, element: Element | None, names: Sequence[str]) -> list[float]:
