@@ -262,6 +262,13 @@ class _Mjcf(_Numbers):
         compiler: dict[str, str] = {}
         for one in root.findall("compiler"):
             compiler |= one.attrib
+        if compiler.get("coordinate") == "global":
+            problem = "places are in the axes of the world (coordinate), which MuJoCo has given up as well"
+            raise BadInput(
+                source=str(path), field="compiler", problem=problem, remedy="Save it by MuJoCo 2.3.3, which turns them"
+            )
+        off = ("false", "-1")
+        self.rescaled = [key for key in ("settotalmass", "balanceinertia") if compiler.get(key, "false") not in off]
         self.degrees = compiler.get("angle", "degree") != "radian"
         self.of_geoms = compiler.get("inertiafromgeom", "auto") == "true"
         self.order = compiler.get("eulerseq", "xyz")
@@ -353,7 +360,8 @@ class _Mjcf(_Numbers):
             *(self.half_units(stated, ["pos"]) or [0.0] * 3),
             *(tensor + [0.0] * (6 - len(tensor))),
         ]
-        return self.link(name, float(self.of(stated, "mass", [0.0])[0]), six, pose, written, shapes)
+        link = self.link(name, float(self.of(stated, "mass", [0.0])[0]), six, pose, written, shapes)
+        return replace(link, note=f"MuJoCo rescales it ({', '.join(self.rescaled)})") if self.rescaled else link
 
     def pose(self, element: Element) -> Pose:
         """`pos` and one of quat, euler, axisangle, xyaxes and zaxis."""
