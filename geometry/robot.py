@@ -141,7 +141,7 @@ def _parsed(path: Path) -> Element:
     if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
         raise BadInput(source=source, problem="it declares a document type, which none of them needs", remedy="Remove <!DOCTYPE>")
     try:
-        root = ElementTree.fromstring(content)
+        root = ElementTree.fromstring(content.lstrip())
     except (ElementTree.ParseError, ValueError, LookupError) as error:
         raise BadInput(source=source, problem=f"it is no XML ({error})", remedy="Check that the file is whole") from None
     if any("xacro" in one.tag or any("${" in text for text in one.attrib.values()) for one in root.iter()):

@@ -189,11 +189,10 @@ class Deck:
 
     def _lose_what_is_made_of_nothing(self) -> None:
         """Elements of the highest dimension without a property."""
-        top = max(files.DIMENSION[kind] for kind in self.mesh.cells)
         for kind, cells in self.mesh.cells.items():
             own = [self.mesh.groups.get(name, {}).get(kind, np.zeros(0, dtype=np.intp)) for name in self.properties]
             bare = np.delete(cells.tags, np.concatenate([np.zeros(0, dtype=np.intp), *own])).tolist()
-            if bare and files.DIMENSION[kind] == top:
+            if bare and files.DIMENSION[kind] == max(files.DIMENSION[other] for other in self.mesh.cells):
                 self.lose(f"elements {files.joined(bare, 3)}", "they have no section or property that is known here")
 
     def ride(self, card: str, name: str, carrier: int, components: str, riders: Sequence[int | str]) -> None:
@@ -339,11 +338,10 @@ class Deck:
 
     def boundary(self, rows: Sequence[Sequence[str]]) -> None:
         for who, *what in rows:
-            word = what[0].upper() if what else ""
+            word, last, size, *_ = (*what, "", "", "")
             first = word if word.isdigit() else ""
-            last = what[1] if len(what) > 1 and what[1] else first
-            letters = _HELD_AS.get(word, "".join(map(str, range(int(first or 1), min(int(last or 0), 6) + 1))))
-            if len(what) > 2 and what[2] and real(what[2]):
+            letters = _HELD_AS.get(word.upper(), "".join(map(str, range(int(first or 1), min(int(last or first or 0), 6) + 1))))
+            if real(size):
                 self.lose(f"*BOUNDARY {who}", "held away from where it stands")
             for node in numbers_of(self.mesh, [int(who) if who.isdigit() else who]):
                 self.held.setdefault(node, set()).update(letters)
@@ -678,9 +676,9 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
     deck, material, open_step = Deck(mesh=mesh), "", False
     elastic, dense, losses = dict[str, list[str]](), dict[str, float](), dict[str, float]()
     point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
-    loose: dict[str, list[tuple[str, list[int]]]] = {}
-    fibres, oriented = dict[str, list[float]](), dict[str, str]()
-    ways: dict[str, tuple[tuple[float, ...], float]] = {}
+    loose, fibres, oriented = dict[str, list[tuple[str, list[int]]]](), dict[str, list[float]](), dict[str, str]()
+    # Carriers of rigid bodies by the nodes whose displacements are their rotations; and orientations
+    turning, ways = dict[int, int](), dict[str, tuple[tuple[float, ...], float]]()
     for keyword, options, rows in _blocks(path):
         o, first = {key: value.upper() for key, value in options.items()}, (rows or [[""]])[0]
         group = _called(mesh, options.get("ELSET", ""))
@@ -746,6 +744,7 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
             carrier = o.get("REF NODE", o.get("REFNODE", ""))
             there = numbers_of(mesh, [int(carrier) if carrier.isdigit() else carrier]) if carrier else []
             if len(there) == 1:
+                turning |= {int(one): there[0] for key, one in o.items() if key in ("ROT NODE", "ROTNODE")}
                 deck.ride(keyword, f"{keyword} {riders}", there[0], "123456", [riders])
             else:
                 deck.lose(name, "it has no reference node")
@@ -758,12 +757,13 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
             open_step = keyword == "STEP"
         elif files.carries(keyword):
             deck.lose(name, "a keyword that is not known here")
+    for node, ref in turning.items():
+        deck.held.setdefault(ref, set()).update("456"[int(letter) - 1] for letter in deck.held.pop(node, set()) & TRANSLATIONS)
     for name in [name for name, (ends, _) in deck.springs.items() if set(ends) & set(deck.axes)]:
         del deck.springs[name]
         deck.lose(f"*{name}", "it acts along axes of its nodes (*TRANSFORM)")
     for group, name in oriented.items():
-        along, turns = ways.get(name, ((1.0, 0.0, 0.0), 0.0))
-        one = deck.properties[group]
+        one, (along, turns) = deck.properties[group], ways.get(name, ((1.0, 0.0, 0.0), 0.0))
         if name and name not in ways and one.layers:
             deck.lose(f"*SHELL SECTION of {group}", f"no orientation {name} is there")
         layers = [(of, thickness, angle + turns) for of, thickness, angle in one.layers]

@@ -229,6 +229,11 @@ def test_shapes_said_by_their_ends_and_within_frames_are_where_mujoco_puts_them(
     assert_allclose(arm.shapes[3].pose.position, [0, 0, 1], atol=1e-15)
 
 
+def test_an_empty_line_before_the_declaration_is_no_damage(tmp_path: Path) -> None:
+    (tmp_path / "r.urdf").write_text('\n<?xml version="1.0" ?>\n<robot name="r"><link name="arm"/></robot>', encoding="utf-8")
+    assert [link.name for link in robot.read(tmp_path / "r.urdf").links] == ["arm"]
+
+
 def test_a_tensor_of_zeros_is_doubted_as_that_of_a_point(tmp_path: Path) -> None:
     """A pulley of 100 kg without any moment had been no doubt at all."""
     write_mesh(tmp_path)

@@ -154,3 +154,23 @@ def test_a_structure_without_any_mass_is_refused_with_units_named_too(tmp_path: 
         deck.described(tmp_path / "deck.bdf", "in-lbf-s")
     (tmp_path / "deck.bdf").write_text(INCHES.format(rho="", more="CONM2,9,3,,1.\n"))
     assert "CONM2 9" in deck.described(tmp_path / "deck.bdf", "in-lbf-s")[0]
+
+
+def brick(held: str) -> str:
+    """A hexahedron whose face at x = 0 rides on node 9, and is turned as node 10 moves."""
+    nodes = (
+        "*NODE\n" + "".join(f"{k + 1}, {x}, {y}, {z}\n" for k, (x, y, z) in enumerate(CUBE)) + "9, 0., .5, .5\n10, 0., .5, .5\n"
+    )
+    cell = "*ELEMENT, TYPE=C3D8, ELSET=E\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=FOOT\n1, 4, 5, 8\n"
+    body = "*SOLID SECTION, ELSET=E, MATERIAL=STEEL\n*RIGID BODY, NSET=FOOT, REF NODE=9, ROT NODE=10\n"
+    return f"{nodes}{cell}{MATERIAL}{body}*BOUNDARY\n9, 1, 3\n{held}{STEP}"
+
+
+CUBE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+
+
+def test_a_rigid_body_is_held_in_rotation_by_its_own_node(tmp_path: Path) -> None:
+    """CalculiX has rotations of a rigid body as displacements of another node; held there, it had been free to turn."""
+    assert 'interface = ["RIGID BODY FOOT"]' in told(tmp_path, brick("10, 1, 3\n"))[1]
+    assert 'directions = ["x", "y", "z", "alpha", "gamma"]' in told(tmp_path, brick("10, 1\n10, 3\n"))[1]
+    assert 'directions = ["x", "y", "z"]' in told(tmp_path, brick(""))[1]
