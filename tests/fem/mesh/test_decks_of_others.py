@@ -9,6 +9,7 @@ from fem.mesh import deck
 from fem.modes import fixed_base
 from fem.structure import Structure
 from fem.user_model import reading
+from fem.user_model.examine import examine
 from geometry.errors import BadInput
 
 MATERIAL = "*MATERIAL, NAME=STEEL\n*ELASTIC\n2.1E11, 0.3\n*DENSITY\n7850.\n"
@@ -174,3 +175,16 @@ def test_a_rigid_body_is_held_in_rotation_by_its_own_node(tmp_path: Path) -> Non
     assert 'interface = ["RIGID BODY FOOT"]' in told(tmp_path, brick("10, 1, 3\n"))[1]
     assert 'directions = ["x", "y", "z", "alpha", "gamma"]' in told(tmp_path, brick("10, 1\n10, 3\n"))[1]
     assert 'directions = ["x", "y", "z"]' in told(tmp_path, brick(""))[1]
+
+
+def test_a_mesh_that_is_not_held_is_told_by_who_examines_it(tmp_path: Path) -> None:
+    """«Nothing is wrong with it» was said of a bar without torsion and of a plate that slides, neither of which has modes."""
+    bar = "MAT1,1,2.1+11,,.3,7850.\nPBAR,1,1,1.-4,1.-9,1.-9,{J}\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nCBAR,1,1,1,2,0.,1.,0.\n"
+    for name, text, sound in [
+        ("bar", f"{bar}SPC1,1,123456,1\nENDDATA\n".format(J=""), False),
+        ("rod", f"{bar}SPC1,1,123456,1\nENDDATA\n".format(J="2.-9"), True),
+        ("plate", PLATE.format(axes="", cd="", held="SPC1,1,13456,1,4\n"), False),
+    ]:
+        told(tmp_path, text, f"{name}.bdf")
+        found = examine(tmp_path / f"{name}.toml").findings
+        assert any(one.check == "support" for one in found) != sound, name
