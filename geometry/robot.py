@@ -278,8 +278,8 @@ class _Mjcf(_Numbers):
             )
         self.folder = path.parent / compiler.get("meshdir", compiler.get("assetdir", "."))
         self.classes: dict[str, dict[str, dict[str, str]]] = {"main": {}}
-        for one in root.findall("default"):
-            self._collect(one, {}, 0)
+        for one in root.findall("default"):  # those of included files and of the file itself are one, whatever it is called
+            self._collect(one, self.classes["main"], 0)
         self.meshes: dict[str, tuple[Path, Element, str]] = {}
         for asset in root.findall("asset"):
             for one in asset.findall("mesh"):
@@ -306,7 +306,7 @@ class _Mjcf(_Numbers):
         for one in element:
             if one.tag != "default":
                 own[one.tag] = own.get(one.tag, {}) | one.attrib
-        self.classes[element.get("class", "main")] = own
+        self.classes |= dict.fromkeys((element.get("class", "main"), *(["main"] if level == 0 else [])), own)
         for one in element.findall("default"):
             if level < MOST_LEVELS:
                 self._collect(one, own, level + 1)

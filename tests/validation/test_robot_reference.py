@@ -251,6 +251,18 @@ def test_masses_that_mujoco_rescales_are_said_to_be(setting: str, rescaled: bool
     assert ("MuJoCo rescales it (settotalmass)" in findings(tmp_path / "r.xml").links[0].notes) == rescaled
 
 
+@pytest.mark.parametrize("name", ["", 'class="main"', 'class="arm"'])
+def test_defaults_of_several_sections_are_one_whatever_the_first_is_called(name: str, tmp_path: Path) -> None:
+    """MuJoCo merges sections of included files; the last had taken the place of all, one by another name was none."""
+    first = f'<default {name}><geom type="box"/><default class="thin"><geom size="0.1 0.1 0.01"/></default></default>'
+    body = '<body name="b"><geom size="0.1 0.2 0.3"/><geom class="thin"/></body>'
+    text = f'<mujoco>{first}<default><geom pos="1 0 0"/></default><worldbody>{body}</worldbody></mujoco>'
+    (tmp_path / "r.xml").write_text(text, encoding="utf-8")
+    one, thin = robot.read(tmp_path / "r.xml").links[0].shapes
+    assert (one.kind, one.size, one.pose.position[0]) == ("box", (0.2, 0.4, 0.6), 1.0)
+    assert (thin.kind, thin.size) == ("box", (0.2, 0.2, 0.02))
+
+
 def test_mujoco_uses_no_stated_inertia_where_geoms_are_to_make_it(tmp_path: Path) -> None:
     body = '<body name="b"><inertial mass="10"/><geom type="sphere" size="0.1"/></body>'
     text = f'<mujoco><compiler inertiafromgeom="true"/><worldbody>{body}</worldbody></mujoco>'
