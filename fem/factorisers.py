@@ -119,12 +119,9 @@ def require_memory(matrix: Sparse, name: str, leaner: str | None = None) -> None
     needed = predicted_bytes(matrix, name)
     if needed > ENOUGH * free:
         leave = f"use the leaner factoriser {leaner} (pip install massline[fast])" if leaner else "use a larger machine"
-        raise BadInput(
-            source="factorisation",
-            field=name,
-            problem=f"{matrix.shape[0]} degrees of freedom would need about {_gb(needed)}, and {_gb(free)} are available",
-            remedy=f"Use a coarser mesh or fewer layers of elements, a beam model, or {leave}",
-        )
+        problem = f"{matrix.shape[0]} degrees of freedom would need about {_gb(needed)}, and {_gb(free)} are available"
+        remedy = f"Use a coarser mesh or fewer layers of elements, a beam model, or {leave}"
+        raise BadInput(source="factorisation", field=name, problem=problem, remedy=remedy)
 
 
 def predicted_bytes(matrix: Sparse, name: str) -> float:

@@ -126,19 +126,13 @@ def read(path: Path, chord: float | None = None) -> tuple[Body, ...]:
         kinds = {"shell": "Shells", "face": "Faces", "wire": "Wires", "edge": "Edges", "vertex": "Vertices"}
         counts = {kind: sum(len(getattr(shape, method)()) for shape in shapes) for kind, method in kinds.items()}
         contents = ", ".join(f"{count} {kind}(s)" for kind, count in counts.items() if count) or "nothing"
-        raise BadInput(
-            source=source,
-            problem=f"it holds no solid body, only {contents}",
-            remedy="Export solids; surfaces must be closed and made solid in the CAD first",
-        )
+        remedy = "Export solids; surfaces must be closed and made solid in the CAD first"
+        raise BadInput(source=source, problem=f"it holds no solid body, only {contents}", remedy=remedy)
     for body in bodies:
         if not body.valid or not body.volume > 0:
-            raise BadInput(
-                source=source,
-                field=body.name,
-                problem=f"the solid is not sound: OCC finds it {'' if body.valid else 'in'}valid, volume {body.volume:.6g} mm³",
-                remedy="Heal the solid in the CAD (closed shell, faces outwards) and export it again",
-            )
+            problem = f"the solid is not sound: OCC finds it {'' if body.valid else 'in'}valid, volume {body.volume:.6g} mm³"
+            remedy = "Heal the solid in the CAD (closed shell, faces outwards) and export it again"
+            raise BadInput(source=source, field=body.name, problem=problem, remedy=remedy)
     return tuple(bodies)
 
 

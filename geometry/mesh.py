@@ -396,11 +396,9 @@ def require_closed_volume(mesh: TriangleMesh, source: str, unit: LengthUnit = ME
     doubled = first[count > 1]
     if doubled.size:
         middles: Array = mesh.triangles[doubled].mean(axis=1)
-        raise BadInput(
-            source=source,
-            problem=f"{_count(doubled.size, 'face')} given more than once, at {_places(middles, unit)}",
-            remedy="Remove the doubled faces; if the body was exported twice, export it once",
-        )
+        problem = f"{_count(doubled.size, 'face')} given more than once, at {_places(middles, unit)}"
+        remedy = "Remove the doubled faces; if the body was exported twice, export it once"
+        raise BadInput(source=source, problem=problem, remedy=remedy)
     found = edges(mesh)
     single, crowded = found.ends[found.uses == 1], found.ends[found.uses > 2]
     if single.size or crowded.size:

@@ -46,11 +46,9 @@ class SameCode(Generic[Task, Result]):
 
     def __call__(self, one: Task) -> Result:
         if self.of(self.work) != self.made_by:
-            raise BadInput(
-                source="--scheduler",
-                problem=f"the worker on {platform.node()} has another version of massline's code",
-                remedy="Install the same on all machines, and start their workers anew",
-            )
+            problem = f"the worker on {platform.node()} has another version of massline's code"
+            remedy = "Install the same on all machines, and start their workers anew"
+            raise BadInput(source="--scheduler", problem=problem, remedy=remedy)
         return self.work(one)
 
 

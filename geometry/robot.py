@@ -119,11 +119,8 @@ def read(path: Path) -> Robot:
     elif root.tag == "mujoco":
         form, links = "MJCF", _Mjcf(path, root).links()
     else:
-        raise BadInput(
-            source=str(path),
-            problem=f"it is neither a URDF (<robot>) nor an MJCF (<mujoco>), found <{root.tag[:40]}>",
-            remedy="Give a robot description, or a STEP or mesh file",
-        )
+        problem = f"it is neither a URDF (<robot>) nor an MJCF (<mujoco>), found <{root.tag[:40]}>"
+        raise BadInput(source=str(path), problem=problem, remedy="Give a robot description, or a STEP or mesh file")
     names = [link.name for link in links]
     if doubled := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
         raise BadInput(
@@ -144,7 +141,7 @@ def _parsed(path: Path) -> Element:
     if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
         raise BadInput(source=source, problem="it declares a document type, which none of them needs", remedy="Remove <!DOCTYPE>")
     try:
-        root = ElementTree.fromstring(content)
+        root = ElementTree.fromstring(content.lstrip())
     except (ElementTree.ParseError, ValueError, LookupError) as error:
         raise BadInput(source=source, problem=f"it is no XML ({error})", remedy="Check that the file is whole") from None
     if any("xacro" in one.tag or any("${" in text for text in one.attrib.values()) for one in root.iter()):
@@ -169,12 +166,8 @@ class _Numbers:
             numbers = np.empty(0)
         fewest = len(default) if least is None else least
         if not fewest <= len(numbers) <= len(default) or not np.isfinite(numbers).all():
-            raise BadInput(
-                source=str(self.path),
-                field=f"{element.tag} {name}",
-                problem=f"must be {len(default)} finite number{'s' * (len(default) > 1)}, found {text[:60]!r}",
-                remedy="Correct it",
-            )
+            problem = f"must be {len(default)} finite number{'s' * (len(default) > 1)}, found {text[:60]!r}"
+            raise BadInput(source=str(self.path), field=f"{element.tag} {name}", problem=problem, remedy="Correct it")
         return numbers
 
     def half_units(self, element: Element | None, names: Sequence[str]) -> list[float]:
@@ -269,6 +262,13 @@ class _Mjcf(_Numbers):
         compiler: dict[str, str] = {}
         for one in root.findall("compiler"):
             compiler |= one.attrib
+        if compiler.get("coordinate") == "global":
+            problem = "places are in the axes of the world (coordinate), which MuJoCo has given up as well"
+            raise BadInput(
+                source=str(path), field="compiler", problem=problem, remedy="Save it by MuJoCo 2.3.3, which turns them"
+            )
+        off = ("false", "-1")
+        self.rescaled = [key for key in ("settotalmass", "balanceinertia") if compiler.get(key, "false") not in off]
         self.degrees = compiler.get("angle", "degree") != "radian"
         self.of_geoms = compiler.get("inertiafromgeom", "auto") == "true"
         self.order = compiler.get("eulerseq", "xyz")
@@ -278,8 +278,8 @@ class _Mjcf(_Numbers):
             )
         self.folder = path.parent / compiler.get("meshdir", compiler.get("assetdir", "."))
         self.classes: dict[str, dict[str, dict[str, str]]] = {"main": {}}
-        for one in root.findall("default"):
-            self._collect(one, {}, 0)
+        for one in root.findall("default"):  # those of included files and of the file itself are one, whatever it is called
+            self._collect(one, self.classes["main"], 0)
         self.meshes: dict[str, tuple[Path, Element, str]] = {}
         for asset in root.findall("asset"):
             for one in asset.findall("mesh"):
@@ -306,7 +306,7 @@ class _Mjcf(_Numbers):
         for one in element:
             if one.tag != "default":
                 own[one.tag] = own.get(one.tag, {}) | one.attrib
-        self.classes[element.get("class", "main")] = own
+        self.classes |= dict.fromkeys((element.get("class", "main"), *(["main"] if level == 0 else [])), own)
         for one in element.findall("default"):
             if level < MOST_LEVELS:
                 self._collect(one, own, level + 1)
@@ -360,7 +360,8 @@ class _Mjcf(_Numbers):
             *(self.half_units(stated, ["pos"]) or [0.0] * 3),
             *(tensor + [0.0] * (6 - len(tensor))),
         ]
-        return self.link(name, float(self.of(stated, "mass", [0.0])[0]), six, pose, written, shapes)
+        link = self.link(name, float(self.of(stated, "mass", [0.0])[0]), six, pose, written, shapes)
+        return replace(link, note=f"MuJoCo rescales it ({', '.join(self.rescaled)})") if self.rescaled else link
 
     def pose(self, element: Element) -> Pose:
         """`pos` and one of quat, euler, axisangle, xyaxes and zaxis."""

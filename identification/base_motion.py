@@ -122,12 +122,9 @@ def base_motion(
     used = groups_used(spectra.table) if groups is None else tuple(groups)
     verdict = of_motions(spectra.table, used)
     if not verdict.complete:
-        raise BadInput(
-            source="base motion",
-            field="channel",
-            problem=f"the accelerometers of {' and '.join(used)} do not tell the six base motions: {verdict.text}",
-            remedy=f"Add one that sees {', '.join(verdict.missing)}, or use another group",
-        )
+        problem = f"the accelerometers of {' and '.join(used)} do not tell the six base motions: {verdict.text}"
+        remedy = f"Add one that sees {', '.join(verdict.missing)}, or use another group"
+        raise BadInput(source="base motion", field="channel", problem=problem, remedy=remedy)
     chosen = spectra.table.select(group=used, quantity="acceleration")
     G = rows_at_lines(spectra, chosen, gravity)
     # (r, n, c) as (1, n, c) where all runs have the same: what follows from it is computed once
@@ -176,12 +173,9 @@ def groups_used(table: ChannelTable) -> tuple[str, ...]:
     cover, below = of_motions(table, ("cover",)), of_motions(table, ("table",))
     both = of_motions(table, ("table", "cover")).complete
     together = "Together they do: ask for both groups, and mind that the load cells between them give way" if both else ""
-    raise BadInput(
-        source="base motion",
-        field="channel",
-        problem=f"neither the cover plate ({cover.text}) nor the table ({below.text}) tells the six base motions",
-        remedy=together or f"Add an accelerometer to the cover plate that sees {', '.join(cover.missing)}",
-    )
+    problem = f"neither the cover plate ({cover.text}) nor the table ({below.text}) tells the six base motions"
+    remedy = together or f"Add an accelerometer to the cover plate that sees {', '.join(cover.missing)}"
+    raise BadInput(source="base motion", field="channel", problem=problem, remedy=remedy)
 
 
 def rows_at_lines(spectra: Spectra, chosen: Sequence[int], gravity: float) -> Array:
@@ -281,12 +275,9 @@ class DrivenMotions:
         worst = int(np.argmax(self.condition))
         if self.condition[worst] >= SINGULAR:
             where = f"at {self.frequency[worst]:g} Hz (condition number {self.condition[worst]:.1e})"
-            raise BadInput(
-                source="dynamic mass from runs",
-                field="runs",
-                problem=f"the base motions are linearly dependent {where}: {said(self.weak(worst, SINGULAR))}",
-                remedy="Drive every one of the six axes in a run of its own",
-            )
+            problem = f"the base motions are linearly dependent {where}: {said(self.weak(worst, SINGULAR))}"
+            remedy = "Drive every one of the six axes in a run of its own"
+            raise BadInput(source="dynamic mass from runs", field="runs", problem=problem, remedy=remedy)
 
     def excluded(self, limit: float) -> "Exclusions":
         """Lines whose condition number exceeds `limit` are left out; the reason names the base motions that move together."""
@@ -491,12 +482,9 @@ def resultants(spectra: Spectra) -> Resultants:
     """
     verdict = of_resultants(spectra.table)
     if not verdict.complete:
-        raise BadInput(
-            source="resultants",
-            field="channel",
-            problem=f"the load cells do not tell the six resultants: {verdict.text}",
-            remedy=f"Add a load cell that sees {', '.join(verdict.missing)}",
-        )
+        problem = f"the load cells do not tell the six resultants: {verdict.text}"
+        remedy = f"Add a load cell that sees {', '.join(verdict.missing)}"
+        raise BadInput(source="resultants", field="channel", problem=problem, remedy=remedy)
     chosen = spectra.table.select(group=("fmd",), quantity=("force", "moment"))
     channels = [spectra.table.channels[k] for k in chosen]
     names = tuple(channel.name for channel in channels)

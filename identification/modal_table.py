@@ -24,6 +24,9 @@ FREQUENCY_DEVIATION, DAMPING_DEVIATION, SHAPE_DEVIATION = 0.005, 0.2, 0.05
 """Standard deviations that hold where a table states none: of a frequency and of a damping ratio relative to it, of a shape
 relative to its largest component. What ordinary modal tests scatter by (D. J. Ewins, Modal Testing, 2000, chapter 4)."""
 
+HEAVY = 0.1
+"""[1] Damping ratio that half the modes of a structure, three at least, hardly exceed: rubber has less. By definition."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModalTable:
@@ -121,6 +124,9 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
         k = int(np.argmax(columns["damping"]))
         problem = f"must be a share below 1, found {columns['damping'][k]:g} of mode {k + 1}"
         raise BadInput(source=source, field="damping", problem=problem, remedy='Write 0.01 or "1 %" where it is in per cent')
+    if "damping" in columns and np.sum(columns["damping"] > 0) > 2 and np.median(columns["damping"]) > HEAVY:
+        low, high = np.min(columns["damping"]), np.max(columns["damping"])
+        warnings.append(f"damping of {source} is {low:.3g} to {high:.3g} of critical: it is likely in per cent")
     for name, share, of in (
         ("frequency_deviation", FREQUENCY_DEVIATION, "frequency"),
         ("damping_deviation", DAMPING_DEVIATION, "damping"),

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fem.gravity import STANDARD
 from fem.mesh.deck_content import Deck, Elastic, numbers_of, read
 from fem.user_model.units import KNOWN, UnitSystem, unit_system
 from geometry import toml_file
@@ -40,32 +41,38 @@ def described(path: Path, units: str | None = None) -> tuple[str, tuple[str, ...
     BadInput : it cannot be read, it has no elements, or its units are not known or cannot be told from its materials.
     """
     deck = read(path)
-    system = _system(deck, str(path)) if units is None else unit_system(units, str(path), "--units")
-    return _text(path, deck, system), tuple(deck.lost)
+    return _text(path, deck, _system(deck, str(path), units)), tuple(deck.lost)
 
 
-def _system(deck: Deck, source: str) -> UnitSystem:
-    if not any(one.density for one in deck.materials.values()):
+def _system(deck: Deck, source: str, named: str | None) -> UnitSystem:
+    if not deck.masses and not any(one.density for one in deck.materials.values()):
         what = "no material states a density" if deck.materials else "it has no material that is known here"
         itself = f'describe it: [fe_model] with kind = "mesh", file = "{Path(source).name}" and materials of its groups'
         raise BadInput(source=source, problem=what, remedy=f"Masses are asked for: write a deck with densities, or {itself}")
-    known = [unit_system(name, source) for name in KNOWN]
+    known = [unit_system(name, source) for name in KNOWN] if named is None else [unit_system(named, source, "--units")]
     fitting = [one for one in known if _believed(deck, one)]
-    if len(fitting) == 1:
-        return fitting[0]
+    g = {one.name: STANDARD * one.time**2 / one.length for one in known}
+    weights = [one.name for one in known if not fitting and _believed(deck, one, 1 / g[one.name])]
+    if len(weights) == 1:
+        own, remedy = g[weights[0]], "Divide them by {0:.6g}, or write PARAM,WTMASS,{1:.6g} in bulk data"
+        problem = f"its densities are weights, not masses, in {weights[0]}"
+        raise BadInput(source=source, problem=problem, remedy=remedy.format(own, 1 / own))
+    if named is not None or len(fitting) == 1:
+        return (fitting or known)[0]
     which = " and ".join(one.name for one in fitting) or f"none of {', '.join(KNOWN)}"
-    problem = f"its units cannot be told: {which} make known materials of what it states"
+    weighed = f"; in {' and '.join(weights)} its densities would be weights" if weights else ""
+    problem = f"its units cannot be told: {which} make known materials of what it states{weighed}"
     raise BadInput(source=source, problem=problem, remedy="Name them, as in --units mm-t-N-s")
 
 
-def _believed(deck: Deck, system: UnitSystem) -> bool:
-    """Whether the materials of the deck are some when it is in `system`."""
-    heaviest, stiffest = 0.0, max(one.modulus for one in deck.materials.values())
+def _believed(deck: Deck, system: UnitSystem, share: float = 1.0) -> bool:
+    """Whether the materials of the deck are some when it is in `system`, and this `share` of its densities are masses."""
+    heaviest, stiffest = 0.0, max((one.modulus for one in deck.materials.values()), default=0.0)
     for one in deck.materials.values():
         if one.shear and one.modulus < CORE * stiffest:
             continue
         E = one.modulus * system.mass / (system.length * system.time**2)
-        rho = one.density * deck.weight * system.mass / system.length**3
+        rho = share * one.density * deck.weight * system.mass / system.length**3
         if not ELASTIC[0] <= E <= ELASTIC[1]:
             return False
         if rho and not (DENSE[0] <= rho <= DENSE[1] and SOUND[0] <= np.sqrt(E / rho) <= SOUND[1]):

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from fem.mesh import files
-from fem.mesh.deck_text import BASIC, Coordinates, deck_lines, keyword_of, real
+from fem.mesh.deck_text import BASIC, Coordinates, System, deck_lines, keyword_of, real
 from fem.mesh.description import SEAM
 from fem.mesh.files import MeshFile, cards, own_property
 from geometry.errors import BadInput
@@ -16,6 +16,9 @@ from geometry.frames import Array
 
 ALIKE = 1e-6
 """Sine of the angle of two directions, and relative difference of two sections, that are the same to a deck's digits."""
+
+ISOTROPIC = 0.05
+"""Relative difference of a shear modulus from what E and NU make of it, above which bars twist otherwise; handbooks round."""
 
 TRANSLATIONS, ALL = frozenset("123"), frozenset("123456")
 
@@ -95,7 +98,7 @@ class Deck:
     means : (node that follows, numbers of the nodes whose mean motion it has) by name; by `weights` with its (shares, none
         where all are alike, and whether their rotations count)
     springs : ((node,) or (node, other), six stiffnesses) by name
-    held : letters of "123456" that each node is held in
+    held : letters of "123456" that each node is held in, along its `axes` where it has some of its own (3, 3), as rows
     carried : cards that are carried over
     lost : sentences on what is not
     weight : what masses and densities are multiplied with (PARAM, WTMASS)
@@ -112,6 +115,7 @@ class Deck:
     weights: dict[str, tuple[list[float], bool]] = field(default_factory=dict)
     springs: dict[str, tuple[tuple[int, ...], Array]] = field(default_factory=dict)
     held: dict[int, set[str]] = field(default_factory=dict)
+    axes: dict[int, Array] = field(default_factory=dict)
     carried: dict[str, None] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)
     weight: float = 1.0
@@ -134,6 +138,8 @@ class Deck:
     def settle(self) -> None:
         """What stands at a node that is not there is lost; what rides in all directions in which it moves rides whole."""
         there = set(self.mesh.node_tags.tolist())
+        self._hold_along_the_axes_of_the_model()
+        self._lose_what_is_made_of_nothing()
         nodes = {name: [node] for name, (node, *_) in (*self.masses.items(), *self.links.items())}
         nodes |= {name: [node, *others] for name, (node, others) in self.means.items()}
         nodes |= {name: list(ends) for name, (ends, _) in self.springs.items()}
@@ -166,6 +172,29 @@ class Deck:
                 del self.means[name]
                 self.lose(name, f"node {node} follows others, and is part of the structure itself")
 
+    def _hold_along_the_axes_of_the_model(self) -> None:
+        """Nodes that are held along axes of their own are so along those of the model that span the same, or are lost."""
+        askew: list[int] = []
+        for node in self.axes.keys() & self.held.keys():
+            for three in ("123", "456"):
+                rows = self.axes[node][[k for k, letter in enumerate(three) if letter in self.held[node]]]
+                span = rows.T @ rows
+                along = {three[k] for k in np.flatnonzero(np.diag(span) > 0.5)}
+                if np.abs(span - np.diag(np.round(np.diag(span)))).max() > ALIKE:
+                    askew, along = [*askew, node], set()
+                self.held[node] = self.held[node] - set(three) | along
+        if askew:
+            nodes = files.joined(sorted(set(askew)))
+            self.lose(f"where nodes {nodes} are held", "along axes of their own (CD, *TRANSFORM) that are not those of the model")
+
+    def _lose_what_is_made_of_nothing(self) -> None:
+        """Elements of the highest dimension without a property."""
+        for kind, cells in self.mesh.cells.items():
+            own = [self.mesh.groups.get(name, {}).get(kind, np.zeros(0, dtype=np.intp)) for name in self.properties]
+            bare = np.delete(cells.tags, np.concatenate([np.zeros(0, dtype=np.intp), *own])).tolist()
+            if bare and files.DIMENSION[kind] == max(files.DIMENSION[other] for other in self.mesh.cells):
+                self.lose(f"elements {files.joined(bare, 3)}", "they have no section or property that is known here")
+
     def ride(self, card: str, name: str, carrier: int, components: str, riders: Sequence[int | str]) -> None:
         self.links[name], self.riding[name] = (carrier, list(riders)), components
         self.carried[card] = None
@@ -193,11 +222,7 @@ class Deck:
 
     def hold(self, text: str, fixed: Mapping[str, Sequence[Sequence[str]]]) -> None:
         """The set of constraints that the case control calls; the only one where it calls none."""
-        called = [
-            line.split("=")[1].strip()
-            for line in text.upper().partition("BEGIN BULK")[0].splitlines()
-            if line.strip().startswith("SPC") and "=" in line
-        ]
+        called = re.findall(r"^\s*SPC\s*=\s*(\w+)", text.upper().partition("BEGIN BULK")[0], re.MULTILINE)
         chosen = [one for one in dict.fromkeys(called) if one in fixed] or list(fixed)
         if len(chosen) > 1:
             self.lose(f"SPC sets {', '.join(chosen)}", "more than one, and none that is called alone")
@@ -235,10 +260,8 @@ class Deck:
             self.lose(name, f"its layers are to be taken as {word}")
         whole = sum(thickness for _, thickness, _ in layers)
         offset = real(f[1]) + whole / 2 if f[1] else 0.0  # Z0 is where the lower face is
-        of, nsm, loss = layers[0][0] if layers else "", real(f[2]), real(f[6])
-        self.properties[f[0]] = Property(
-            material=of, thickness=whole, layers=tuple(layers), offset=offset, added=nsm, loss_factor=loss
-        )
+        of, nsm, loss, plies = layers[0][0] if layers else "", real(f[2]), real(f[6]), tuple(layers)
+        self.properties[f[0]] = Property(material=of, thickness=whole, layers=plies, offset=offset, added=nsm, loss_factor=loss)
 
     def beam_property(self, card: str, f: Sequence[str]) -> None:
         name, section = f"{card} {f[0]}", dict[str, float]()
@@ -299,6 +322,8 @@ class Deck:
         sizes = [real(text) for text in rows[0] if text]
         z_axis = tuple(real(text) for text in rows[1][:3]) if rows[1:] else (0.0, 0.0, -1.0)
         section: dict[str, float] = {}
+        if any(real(o.get(way, "")) for way in ("OFFSET1", "OFFSET2")):
+            self.lose(name, "how far it is off its nodes (OFFSET1, OFFSET2)")
         if o.get("SECTION", "")[:4] == "RECT":
             section = {"width": sizes[-1], "height": sizes[0]}
         elif o.get("SECTION") == "CIRC" and (len(sizes) == 1 or sizes[0] == sizes[1]):  # a radius, or CalculiX's two diameters
@@ -313,11 +338,10 @@ class Deck:
 
     def boundary(self, rows: Sequence[Sequence[str]]) -> None:
         for who, *what in rows:
-            word = what[0].upper() if what else ""
+            word, last, size, *_ = (*what, "", "", "")
             first = word if word.isdigit() else ""
-            last = what[1] if len(what) > 1 and what[1] else first
-            letters = _HELD_AS.get(word, "".join(map(str, range(int(first or 1), min(int(last or 0), 6) + 1))))
-            if len(what) > 2 and what[2] and real(what[2]):
+            letters = _HELD_AS.get(word.upper(), "".join(map(str, range(int(first or 1), min(int(last or first or 0), 6) + 1))))
+            if real(size):
                 self.lose(f"*BOUNDARY {who}", "held away from where it stands")
             for node in numbers_of(self.mesh, [int(who) if who.isdigit() else who]):
                 self.held.setdefault(node, set()).update(letters)
@@ -471,6 +495,8 @@ def _nastran(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
             E, G, nu = (real(f[k]) for k in (1, 2, 3))
             nu = nu if f[3] or not G else E / (2 * G) - 1
             modulus = E or 2 * G * (1 + nu)
+            if E and G and abs(2 * G * (1 + nu) / E - 1) > ISOTROPIC:
+                deck.lose(name, f"its G of {G:g}, which E and NU make {E / (2 + 2 * nu):.4g}; that is taken")
             deck.materials[f[0]] = Elastic(modulus=modulus, poisson_ratio=nu, density=real(f[4]), loss_factor=real(f[7]))
         elif card == "PARAM" and f[0].upper() == "WTMASS":
             deck.weight = real(f[1])
@@ -506,7 +532,11 @@ def _nastran(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
             deck.masses[name] = node, Rider(mass=real(f[3]), cog=aside, moments=inertia)
             deck.carried[card] = None
         elif card == "RBE2":
-            deck.ride(card, name, int(f[1]), f[2], _listed(f[3:], name, deck))
+            riders = _listed(f[3:], name, deck)
+            if {*f[2]} != ALL and any(where.freedoms(node) is not None for node in riders if node in point):
+                deck.lose(name, f"in {f[2]} along the freedoms of nodes that have axes of their own (CD)")
+            else:
+                deck.ride(card, name, int(f[1]), f[2], riders)
         elif card == "RBE3":
             deck.spread(name, own)
         elif card in ("CELAS1", "CELAS2", "CBUSH"):
@@ -518,6 +548,7 @@ def _nastran(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
                 springs.append([card, *f])
         elif card in ("PELAS", "PBUSH"):
             laws[f"{card} {f[0]}"] = f
+            laws |= {f"{card} {f[4]}": f[4:]} if card == "PELAS" and f[4] else {}
         elif card == "SPC1":
             fixed.setdefault(f[0], []).append([f[1], *map(str, _listed(f[2:], name, deck))])
         elif card == "SPC":
@@ -536,9 +567,8 @@ def _nastran(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
     for number, f in shells.items():
         bending, ratio, t, of, soft = f[3], real(f[4]) or 1.0, real(f[2]), deck.materials.get(f[1]), deck.materials.get(f[5])
         layers: tuple[tuple[str, float, float], ...] = ((f[1], t, 0.0),) if of and of.shear else ()
-        if (
-            bending == f[1] and ratio > 1 + ALIKE and t > 0 and not layers
-        ):  # faces apart, as 12 I / t³ says, on a core that shears
+        # Faces apart, as 12 I / t³ says, on a core that shears
+        if bending == f[1] and ratio > 1 + ALIKE and t > 0 and not layers:
             apart = t / 2 * float(np.sqrt((4 * ratio - 1) / 3))
             alike = soft.modulus / (2 + 2 * soft.poisson_ratio) if soft and not soft.shear else 0.0
             across = soft.shear[1:] if soft and soft.shear else (alike, alike)
@@ -557,6 +587,7 @@ def _nastran(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
     if not re.search(r"^\s*ENDDATA", whole, re.IGNORECASE | re.MULTILINE):
         deck.lose("the end", "there is no ENDDATA, and the deck may be cut short")
     deck.hold(whole, fixed | {sid: [row for one in several for row in fixed.get(one, [])] for sid, several in together.items()})
+    deck.axes = {node: axes for node in deck.held if node in point and (axes := where.freedoms(node)) is not None}
     return deck
 
 
@@ -645,9 +676,9 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
     deck, material, open_step = Deck(mesh=mesh), "", False
     elastic, dense, losses = dict[str, list[str]](), dict[str, float](), dict[str, float]()
     point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
-    loose: dict[str, list[tuple[str, list[int]]]] = {}
-    fibres, oriented = dict[str, list[float]](), dict[str, str]()
-    ways: dict[str, tuple[tuple[float, ...], float]] = {}
+    loose, fibres, oriented = dict[str, list[tuple[str, list[int]]]](), dict[str, list[float]](), dict[str, str]()
+    # Carriers of rigid bodies by the nodes whose displacements are their rotations; and orientations
+    turning, ways = dict[int, int](), dict[str, tuple[tuple[float, ...], float]]()
     for keyword, options, rows in _blocks(path):
         o, first = {key: value.upper() for key, value in options.items()}, (rows or [[""]])[0]
         group = _called(mesh, options.get("ELSET", ""))
@@ -713,31 +744,37 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
             carrier = o.get("REF NODE", o.get("REFNODE", ""))
             there = numbers_of(mesh, [int(carrier) if carrier.isdigit() else carrier]) if carrier else []
             if len(there) == 1:
+                turning |= {int(one): there[0] for key, one in o.items() if key in ("ROT NODE", "ROTNODE")}
                 deck.ride(keyword, f"{keyword} {riders}", there[0], "123456", [riders])
             else:
                 deck.lose(name, "it has no reference node")
         elif keyword == "BOUNDARY":
             deck.boundary(rows)
+        elif keyword == "TRANSFORM":
+            turned = System.of(o.get("TYPE", "R"), *np.array([real(text) for text in [*first, *6 * [""]][:6]]).reshape(2, 3))
+            deck.axes |= {node: turned.directions(point[node]) for node in numbers_of(mesh, [options["NSET"]]) if node in point}
         elif keyword in ("STEP", "END STEP"):
             open_step = keyword == "STEP"
         elif files.carries(keyword):
             deck.lose(name, "a keyword that is not known here")
+    for node, ref in turning.items():
+        deck.held.setdefault(ref, set()).update("456"[int(letter) - 1] for letter in deck.held.pop(node, set()) & TRANSLATIONS)
+    for name in [name for name, (ends, _) in deck.springs.items() if set(ends) & set(deck.axes)]:
+        del deck.springs[name]
+        deck.lose(f"*{name}", "it acts along axes of its nodes (*TRANSFORM)")
     for group, name in oriented.items():
-        along, turns = ways.get(name, ((1.0, 0.0, 0.0), 0.0))
-        one = deck.properties[group]
+        one, (along, turns) = deck.properties[group], ways.get(name, ((1.0, 0.0, 0.0), 0.0))
         if name and name not in ways and one.layers:
             deck.lose(f"*SHELL SECTION of {group}", f"no orientation {name} is there")
         layers = [(of, thickness, angle + turns) for of, thickness, angle in one.layers]
         deck.properties[group] = replace(one, layers=tuple(layers), x_axis=along if layers else ())
     if open_step:
         deck.lose("the end", "a *STEP has no *END STEP, and the deck may be cut short")
-    for name, row in elastic.items():
+    for of, row in elastic.items():
         nu = real(row[1]) if row[1:] and row[1] else 0.0
-        rho, lost = dense.get(name, 0.0), losses.get(name, 0.0)
-        E, across, nu, *shear = fibres.get(name, [real(row[0]), 0.0, nu])
-        deck.materials[name] = Elastic(
-            modulus=E, across=across, poisson_ratio=nu, shear=tuple(shear), density=rho, loss_factor=lost
-        )
+        rho, lost = dense.get(of, 0.0), losses.get(of, 0.0)
+        E, across, nu, *shear = fibres.get(of, [real(row[0]), 0.0, nu])
+        deck.materials[of] = Elastic(modulus=E, across=across, poisson_ratio=nu, shear=(*shear,), density=rho, loss_factor=lost)
     return deck
 
 

@@ -115,7 +115,12 @@ def keyword_of(line: str) -> tuple[str, dict[str, str]]:
     """Keyword of a line of Abaqus that begins with one asterisk, and its options, all but their values in capitals."""
     keyword, *words = (word.strip() for word in line.strip()[1:].split(","))
     options = {key.strip().upper(): value.strip().strip('"') for key, _, value in (word.partition("=") for word in words)}
-    return " ".join(keyword.upper().split()), options
+    keyword = " ".join(keyword.upper().split())
+    return SPACED.get(keyword, keyword), options
+
+
+SPACED = {one.replace(" ", ""): one for one in ("SOLID SECTION", "SHELL SECTION", "BEAM SECTION", "RIGID BODY", "END STEP")}
+"""Keywords as CalculiX takes them, which minds no blanks, and how they are written."""
 
 
 SETS = ("ELSET", "NSET", "REF NODE", "TIE NSET", "PIN NSET")
@@ -124,7 +129,7 @@ SETS = ("ELSET", "NSET", "REF NODE", "TIE NSET", "PIN NSET")
 COUNTED = ("NODE", "ELEMENT", "NSET", "ELSET")
 """Keywords whose rows have numbers of nodes and elements."""
 
-DIRECTED = {"ORIENTATION": 0, "BEAM SECTION": 1, "BEAM GENERAL SECTION": 1}
+DIRECTED = {"ORIENTATION": 0, "TRANSFORM": 0, "BEAM SECTION": 1, "BEAM GENERAL SECTION": 1}
 """Keywords of which a row has directions, which turn with an instance, and which row."""
 
 
@@ -167,7 +172,8 @@ class _Place:
                 words = [self.number(words[0]), *(repr(value) for value in (self.turn @ at + self.shift).tolist())]
             elif line in turned and block.options.get("DEFINITION", "COORDINATES").upper() == "COORDINATES":
                 points = np.array([real(text) for text in words[: len(words) // 3 * 3]]).reshape(-1, 3)
-                words = [repr(value) for value in (points @ self.turn.T).ravel().tolist()]
+                shift = self.shift if block.options.get("TYPE", "").upper() == "C" else 0.0  # of a *TRANSFORM about an axis
+                words = [repr(value) for value in (points @ self.turn.T + shift).ravel().tolist()]
             elif block.keyword in COUNTED:
                 last = 2 if "GENERATE" in block.options else len(words)
                 words = [*map(word, words[:last]), *words[last:]]
@@ -338,6 +344,20 @@ class System:
     kind: str
     origin: Array
     axes: Array
+
+    @classmethod
+    def of(cls, kind: str, a: Array, b: Array) -> "System":
+        """Of *TRANSFORM: `a` (3,) is on its first axis and `b` in the plane of the first two, or both are on the third (C).
+
+        Raises
+        ------
+        ValueError : another kind, or two points that span nothing.
+        """
+        z, x = (b - a, np.cross(b - a, np.eye(3)[np.argmin(np.abs(b - a))])) if kind == "C" else (np.cross(a, b), a)
+        if kind not in ("R", "C") or not np.linalg.norm(z) > 0:
+            raise ValueError(f"*TRANSFORM of TYPE={kind} by {a.tolist()} and {b.tolist()}")
+        x, z = x / np.linalg.norm(x), z / np.linalg.norm(z)
+        return cls(kind=kind, origin=a, axes=np.array([x, np.cross(z, x), z]))
 
     def point(self, at: Array) -> Array:
         """Basic coordinates (3,) of what stands `at` (3,) in it."""

@@ -259,11 +259,15 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
     elements: Elements = {}
     groups: dict[str, list[int]] = {}
     node_groups: dict[str, list[int]] = {}
+    spelt: dict[tuple[str, str], str] = {}  # a set is called as it is first, whatever capitals it has afterwards
     keyword, options, kind, pending = "", dict[str, str](), "", list[int]()
     for line in deck_lines(path):
         text = line.text.strip()
         if text.startswith("*"):
             keyword, options = keyword_of(text)
+            options |= {
+                key: spelt.setdefault((key, options[key].upper()), options[key]) for key in {"NSET", "ELSET"} & {*options}
+            }
             pending = []
             if keyword in _ABAQUS_MAKES:
                 problem = f"it has *{text[1:]}, which is not followed"
@@ -294,7 +298,7 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
             if text.endswith(","):
                 continue
             tag, *own = pending
-            _once(elements.setdefault(kind, {}), tag, own, str(path))
+            _once(elements.setdefault(kind, {}), tag, own[::2] + own[1::2] if kind == "line3" else own, str(path))
             pending = []
             if "ELSET" in options:
                 groups.setdefault(options["ELSET"], []).append(tag)
@@ -309,7 +313,7 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
                 if field.lstrip("-").isdigit():
                     members.append(int(field))
                 elif field:
-                    members += table.get(field, [])
+                    members += table.get(spelt.get((keyword, field.upper()), field), [])
     return _Raw(nodes=nodes, elements=elements, groups=groups, node_groups=node_groups)
 
 
@@ -546,7 +550,7 @@ def _cards(path: Path) -> Iterator[list[str]]:
     ended = path.read_bytes()[-1:] == b"\n"
     line = Line("", path, 0)
     for line in lines:
-        text = line.text.split("$")[0].rstrip()
+        text = line.text.split("$")[0].expandtabs(8).rstrip()
         if begin := BEGIN.match(text):
             if begun or begin[1].upper() == "SUPER" or re.search(r"SUPER|AUXM", begin[2], re.IGNORECASE):
                 problem = f"line {line.number} begins a further model ({text.strip()}), and superelements are not read"

@@ -381,11 +381,9 @@ def mesh_bodies(folder: Path, names: Sequence[str], sizes: Sizing) -> SolidMesh:
             for _, tag in group:
                 if tag in owner:
                     shared = gmsh.model.occ.getMass(3, tag)
-                    raise BadInput(
-                        source=f"parts {names[owner[tag]]} and {names[index]}",
-                        problem=f"they share {shared:.4g} mm³ of volume, which has no material of its own",
-                        remedy="Cut one by the other in the CAD, or correct its position",
-                    )
+                    problem = f"they share {shared:.4g} mm³ of volume, which has no material of its own"
+                    remedy = "Cut one by the other in the CAD, or correct its position"
+                    raise BadInput(source=f"parts {names[owner[tag]]} and {names[index]}", problem=problem, remedy=remedy)
                 owner[tag] = index
         volumes = []
         for tag in sorted(owner):

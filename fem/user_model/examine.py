@@ -11,7 +11,7 @@ import numpy as np
 
 from fem.mesh.places import ENERGY_TOO_HIGH, Elements
 from fem.modes import Modes, floating_shift, lowest
-from fem.structure import Sparse, Structure, hold
+from fem.structure import Sparse, Structure, check_connected, check_stiff, hold
 from fem.user_model import freedoms, frequency_checks, matrices, matrix_checks, reading
 from fem.user_model.description import Contents, Description
 from fem.user_model.frequency_checks import refusal
@@ -81,8 +81,15 @@ def _as_read(path: str | Path, kind: str) -> Examination:
         return Examination(source=str(path), name=Path(path).stem, kind=kind, findings=(refusal(error),))
     if not isinstance(found.model, Structure):
         return Examination(source=str(path), name=found.name, kind=kind, findings=())
-    facts, findings = [f"{found.model.mass.shape[0]} degrees of freedom"], lossless(found.model)
-    if worst := coarsest(found.model):
+    facts, findings, worst = [f"{found.model.mass.shape[0]} degrees of freedom"], lossless(found.model), None
+    try:
+        worst = coarsest(found.model)
+    except CheckFailed as error:
+        what, _, remedy = str(error).rstrip(".").partition(". ")
+        findings.append(
+            Finding(check="support", what=what[:1].lower() + what[1:], where="how it is held", amount="", remedy=remedy)
+        )
+    if worst:
         hertz, part, share = worst
         facts.append(f"a finer mesh may move a frequency by about {100 * share:.2g} %, that of {hertz:.4g} Hz")
         if share > TOO_COARSE:
@@ -116,17 +123,22 @@ tests/fem/test_examine.py."""
 
 def coarsest(structure: Structure) -> tuple[float, str, float] | None:
     """Of the lowest modes the one that the mesh leaves most unsure: its frequency [Hz], the part that has most of that, and the
-    share of the frequency that a finer mesh would take off; None where no solid elements tell."""
-    if structure.elements is None:
-        return None
+    share of the frequency that a finer mesh would take off; None where no solid elements tell.
+
+    Raises
+    ------
+    CheckFailed : part of it is not held, or swings freely.
+    """
+    check_connected(structure)
     free = hold(structure)
     K, M = free.stiffness, free.mass
     count = min(LOOKED_AT + 6 * structure.floating, len(free.free))
     if not count:
         return None
-    try:
-        pairs = lowest(K, M, count, shift=floating_shift(K, M) if structure.floating else 0.0)
-    except CheckFailed:  # part of it swings freely: modes are none of a mesh
+    pairs = lowest(K, M, count, shift=floating_shift(K, M) if structure.floating else 0.0)
+    if not structure.floating:
+        check_stiff(free, structure, pairs.values, pairs.vectors)
+    if structure.elements is None:
         return None
     elastic = pairs.values > RIGID * pairs.values.max()
     squares = pairs.values[elastic]

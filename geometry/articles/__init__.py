@@ -50,12 +50,8 @@ def _built(name: str, given: tuple[tuple[str, float], ...]) -> Article:
     _require_known(parts, name)
     used = {_BUILDERS[part][0] for part in parts}
     for file in sorted(changed_files(changes) - used):
-        raise BadInput(
-            source=f"article {name}",
-            field=file,
-            problem=f"a dimension of {file!r} was given, but {name} is made of {', '.join(sorted(used))}",
-            remedy="Name a dimension of a part of the article",
-        )
+        problem = f"a dimension of {file!r} was given, but {name} is made of {', '.join(sorted(used))}"
+        raise BadInput(source=f"article {name}", field=file, problem=problem, remedy="Name a dimension of a part of the article")
     articles = []
     for part in parts:
         file, build = _BUILDERS[part]
@@ -70,11 +66,9 @@ def _built(name: str, given: tuple[tuple[str, float], ...]) -> Article:
             raise BadInput(source=f"article {part}", problem=problem, remedy="Check the sizes and their unit") from error
     for lower, upper in pairwise(articles):
         if lower.seat is None:
-            raise BadInput(
-                source=f"article {name}",
-                problem=f"nothing can be mounted on {lower.name}, found {upper.name} above it",
-                remedy=f"Name the stack from bottom to top, for example {SETUPS[0]}",
-            )
+            problem = f"nothing can be mounted on {lower.name}, found {upper.name} above it"
+            remedy = f"Name the stack from bottom to top, for example {SETUPS[0]}"
+            raise BadInput(source=f"article {name}", problem=problem, remedy=remedy)
     return stacked(*articles)
 
 
@@ -104,11 +98,8 @@ def changes_of(name: str, changes: Mapping[str, float]) -> dict[str, float]:
 def _require_known(parts: list[str], whole: str) -> None:
     for part in parts:
         if part not in _BUILDERS:
-            raise BadInput(
-                source=f"article {whole}",
-                problem=f"no built-in article is called {part!r}",
-                remedy=f"{nearest(part, NAMES)}Known are {', '.join(NAMES)}, joined by +, and files",
-            )
+            remedy = f"{nearest(part, NAMES)}Known are {', '.join(NAMES)}, joined by +, and files"
+            raise BadInput(source=f"article {whole}", problem=f"no built-in article is called {part!r}", remedy=remedy)
 
 
 # Places of the built-in articles by name, where something is measured, mounted or tied: `flange`, `hub-3`, `lower-1+`, `top` ...

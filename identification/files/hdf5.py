@@ -216,12 +216,8 @@ def read(path: Path) -> Signals:
         lines = values(dataset(file, "frequency", source), "frequency", source) if "frequency" in file else None
     if (rate is None) == (lines is None):
         found = "neither" if rate is None else "both"
-        raise BadInput(
-            source=source,
-            field="sampling_rate",
-            problem=f"an attribute `sampling_rate` of the root or a dataset /frequency is needed, found {found}",
-            remedy="Write the one that fits the data",
-        )
+        problem = f"an attribute `sampling_rate` of the root or a dataset /frequency is needed, found {found}"
+        raise BadInput(source=source, field="sampling_rate", problem=problem, remedy="Write the one that fits the data")
     if rate is not None and rate <= 0:
         raise BadInput(source=source, field="sampling_rate", problem=f"must be positive, found {rate:g}", remedy="Correct it")
     if lines is not None:

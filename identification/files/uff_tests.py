@@ -455,14 +455,14 @@ def _mode(block: Dataset, source: str) -> Mode | None:
     else:
         raise refused(f"has the analysis type {analysis}, where 2, 3 or 7 (modes) are read", "Export the modes")
     if not abs(damping) < 1:
-        raise refused(f"has the damping ratio {damping:g}")
+        raise refused(f"has the damping ratio {damping:g}, where a share below 1 is read", "Export it as a share, 0.01 for 1 %")
     parts = 2 if data in uff.COMPLEX else 1
     if each not in (3, 6) or not 0 < frequency < files.LARGEST:
         raise refused(f"has {each} numbers a node and {frequency:g} Hz, where 3 or 6 and a positive frequency are read")
     nodes, rows, place = [], [], body
     per_node = -(-each * parts // 6)  # lines of six numbers
     while place < len(lines) and lines[place].strip():
-        nodes.append(int(column(lines[place], 0, 10, int, name, source)))
+        nodes.append(int(column(lines[place].split()[0], 0, 10, int, name, source)))
         text = "".join(line.ljust(78)[:78] for line in lines[place + 1 : place + 1 + per_node])
         rows.append([column(text, 13 * k, 13, float, name, source) for k in range(each * parts)])
         place += 1 + per_node

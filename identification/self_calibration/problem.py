@@ -504,12 +504,9 @@ def assembled(evidence: Evidence, settings: Settings) -> Assembly:
     own = bodies.get(0)
     if own is None and evidence.facts:
         fact = evidence.facts[0]
-        raise BadInput(
-            source=fact.source or "facts",
-            field=fact.quantity,
-            problem="it is about the article alone, and nothing tells the FMD from the article",
-            remedy="Give a tare, or the FMD's inertia",
-        )
+        problem = "it is about the article alone, and nothing tells the FMD from the article"
+        remedy = "Give a tare, or the FMD's inertia"
+        raise BadInput(source=fact.source or "facts", field=fact.quantity, problem=problem, remedy=remedy)
     start = whole.ten if own is None else whole.ten - own[1]
     blocks.append(block("article", PARAMETERS, start))
     standing = (Body(block="article"),) if own is None else (own[0], Body(block="article"))

@@ -105,12 +105,8 @@ def full_record(signals: npt.ArrayLike, sampling_rate: float, frequency: npt.Arr
             source=source, field="signals", problem=f"a record of finite samples is needed, found {found}", remedy="Check it"
         )
     if not np.all((lines >= 0) & (lines <= sampling_rate / 2)):
-        raise BadInput(
-            source=source,
-            field="frequency",
-            problem=f"lines end at half the sampling rate, {sampling_rate / 2:g} Hz, found {lines.min():g} to {lines.max():g} Hz",
-            remedy="Ask for lines within, or record faster",
-        )
+        problem = f"lines end at half the sampling rate, {sampling_rate / 2:g} Hz, found {lines.min():g} to {lines.max():g} Hz"
+        raise BadInput(source=source, field="frequency", problem=problem, remedy="Ask for lines within, or record faster")
     steps = np.diff(lines)
     even = len(lines) > 2 and bool(np.all(np.abs(steps - steps.mean()) <= EVEN * steps.mean()))
     if even and (folded := _folded(x.reshape(len(x), -1), lines, steps.mean(), sampling_rate)) is not None:

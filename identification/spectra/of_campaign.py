@@ -287,12 +287,9 @@ def stated_drives(campaign: Campaign) -> tuple[float, float] | None:
     lines = lines_of(campaign)
     if not low < high or not np.any(between(lines, low, high)):
         said = ", ".join(f"{name} drives {of[0]:g} to {of[1]:g} Hz" for name, of in ends.items())
-        raise BadInput(
-            source=campaign.source,
-            field="run.excitation",
-            problem=f"all runs together drive none of the lines from {lines[0]:g} to {lines[-1]:g} Hz: {said}",
-            remedy="Correct start_hz and stop_hz, or choose the lines with --band LOW HIGH",
-        )
+        problem = f"all runs together drive none of the lines from {lines[0]:g} to {lines[-1]:g} Hz: {said}"
+        remedy = "Correct start_hz and stop_hz, or choose the lines with --band LOW HIGH"
+        raise BadInput(source=campaign.source, field="run.excitation", problem=problem, remedy=remedy)
     return low, high
 
 

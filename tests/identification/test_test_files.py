@@ -180,6 +180,41 @@ def test_modes_of_a_universal_file_are_a_table(tmp_path: Path, complex_modes: bo
     assert [(one.place, one.name) for one in found.sensors] == [("node 7", "node-7-z"), ("tip", "tip-z")]
     assert_allclose(np.asarray(found.shapes), shape * (1 + 0.5j if complex_modes else 1), rtol=1e-5)
     assert any("deviation" in one for one in found.warnings)
+    text = (tmp_path / "modes.unv").read_text().replace("         9\n", "     60101\n").replace("         7\n", "      60109\n")
+    (tmp_path / "wide.unv").write_text(text)  # a number of its own line may stand a column too far right, and had lost its end
+    wide = test_file.read(tmp_path / "t.toml", {"kind": "modal-table", "article": "beam", "file": "wide.unv"})
+    assert isinstance(wide, ModalTable)
+    assert [one.place for one in wide.sensors] == ["node 60109", "node 60101"]
+
+
+@pytest.mark.parametrize(
+    ("damping", "per_cent"),
+    [([0.3, 0.5, 0.8], True), ([0.02, 0.5, 0.04], False), ([0.3, 0.5], False), ([0.003, 0.005, 0.008], False)],
+)
+def test_damping_that_is_likely_in_per_cent_is_doubted(damping: list[float], per_cent: bool) -> None:
+    table = {"kind": "modal-table", "article": "beam", "frequencies": [10.0, 20.0, 30.0][: len(damping)], "damping": damping}
+    found = test_file.read(Path("lab.toml"), table)
+    assert any("0.3 to 0.8 of critical: it is likely in per cent" in one for one in found.warnings) == per_cent
+
+
+def test_a_damping_ratio_above_one_is_refused_with_what_a_share_is(tmp_path: Path) -> None:
+    import pyuff
+
+    z = np.zeros(2)
+    mode = {
+        "analysis_type": 2,
+        "freq": 10.0,
+        "modal_damp_vis": 1.5,
+        "data_ch": 2,
+        "spec_data_type": 8,
+        "load_case": 1,
+        "mode_n": 1,
+    }
+    pyuff.UFF(str(tmp_path / "m.unv")).write_sets(
+        [pyuff.prepare_55(**mode, node_nums=[7, 9], r1=z, r2=z, r3=z + 1)], mode="overwrite"
+    )
+    with pytest.raises(BadInput, match=r"damping ratio 1.5, where a share below 1 is read. Export it as a share, 0.01 for 1 %"):
+        test_file.read(tmp_path / "t.toml", {"kind": "modal-table", "article": "beam", "file": "m.unv"})
 
 
 REFUSED: dict[str, tuple[dict[str, Any], str]] = {

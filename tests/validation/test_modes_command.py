@@ -8,15 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.sparse import csr_array
 
 from fem.modes import fixed_base
 from fem.solid.model import structure
+from fem.structure import Structure
 from geometry import routes
 from geometry.articles import built_in
 from geometry.frames import Array
 from validation.cli import main
 from validation.flexible.model import Flexible, FlexibleOptions, another_body, flexible
-from validation.flexible.modes import clusters, compared, movable
+from validation.flexible.modes import clusters, compared, described, movable
 from validation.reference.published import claims
 from validation.report.flexible import ModesBeside
 
@@ -24,6 +26,18 @@ from validation.report.flexible import ModesBeside
 @pytest.fixture(scope="module")
 def clumod() -> Flexible:
     return flexible("clumod-1", "beam", FlexibleOptions(count=12))
+
+
+def test_what_moves_between_the_nodes_of_a_craig_bampton_model_is_not_said_to_twist():
+    """Every mode of its own coordinates had been one that twists."""
+    rows = np.arange(6)
+    point = {"points": np.zeros((1, 3)), "translations": rows[None, :3], "rotations": rows[None, 3:]}
+    K, M = np.diag([*np.zeros(6), 1e4, 9e4]), np.eye(8)
+    M[:3, 6] = M[6, :3] = M[1, 7] = M[7, 1] = 0.3
+    model = Structure(
+        stiffness=csr_array(K), mass=csr_array(M), rigid=np.vstack([np.eye(6), np.zeros((2, 6))]), held=rows, **point
+    )
+    assert [one.text for one in described(model, fixed_base(model, 2), None)] == ["", ""]
 
 
 def test_no_axis_carries_more_than_the_rigid_body_and_what_modes_can_carry_is_the_sum_of_all(answer):

@@ -229,6 +229,40 @@ def test_shapes_said_by_their_ends_and_within_frames_are_where_mujoco_puts_them(
     assert_allclose(arm.shapes[3].pose.position, [0, 0, 1], atol=1e-15)
 
 
+def test_an_empty_line_before_the_declaration_is_no_damage(tmp_path: Path) -> None:
+    (tmp_path / "r.urdf").write_text('\n<?xml version="1.0" ?>\n<robot name="r"><link name="arm"/></robot>', encoding="utf-8")
+    assert [link.name for link in robot.read(tmp_path / "r.urdf").links] == ["arm"]
+
+
+def test_a_tensor_of_zeros_is_doubted_as_that_of_a_point(tmp_path: Path) -> None:
+    """A pulley of 100 kg without any moment had been no doubt at all."""
+    write_mesh(tmp_path)
+    (found,) = findings(urdf(tmp_path, tetrahedron(), tensor=np.zeros((3, 3)))).links
+    assert found.doubts == ("its tensor is zero, as if all of it were one point",)
+    (found,) = findings(urdf(tmp_path, tetrahedron(), tensor=np.diag([1e-2, 1e-2, 1e-2]))).links
+    assert not any("zero" in one for one in found.doubts)
+
+
+@pytest.mark.parametrize(("setting", "rescaled"), [("1.5", True), ("-1", False)])
+def test_masses_that_mujoco_rescales_are_said_to_be(setting: str, rescaled: bool, tmp_path: Path) -> None:
+    body = '<body name="b"><inertial pos="0 0 0" mass="10" diaginertia="1 1 1"/><geom size="0.1"/></body>'
+    text = f'<mujoco><compiler settotalmass="{setting}"/><worldbody>{body}</worldbody></mujoco>'
+    (tmp_path / "r.xml").write_text(text, encoding="utf-8")
+    assert ("MuJoCo rescales it (settotalmass)" in findings(tmp_path / "r.xml").links[0].notes) == rescaled
+
+
+@pytest.mark.parametrize("name", ["", 'class="main"', 'class="arm"'])
+def test_defaults_of_several_sections_are_one_whatever_the_first_is_called(name: str, tmp_path: Path) -> None:
+    """MuJoCo merges sections of included files; the last had taken the place of all, one by another name was none."""
+    first = f'<default {name}><geom type="box"/><default class="thin"><geom size="0.1 0.1 0.01"/></default></default>'
+    body = '<body name="b"><geom size="0.1 0.2 0.3"/><geom class="thin"/></body>'
+    text = f'<mujoco>{first}<default><geom pos="1 0 0"/></default><worldbody>{body}</worldbody></mujoco>'
+    (tmp_path / "r.xml").write_text(text, encoding="utf-8")
+    one, thin = robot.read(tmp_path / "r.xml").links[0].shapes
+    assert (one.kind, one.size, one.pose.position[0]) == ("box", (0.2, 0.4, 0.6), 1.0)
+    assert (thin.kind, thin.size) == ("box", (0.2, 0.2, 0.02))
+
+
 def test_mujoco_uses_no_stated_inertia_where_geoms_are_to_make_it(tmp_path: Path) -> None:
     body = '<body name="b"><inertial mass="10"/><geom type="sphere" size="0.1"/></body>'
     text = f'<mujoco><compiler inertiafromgeom="true"/><worldbody>{body}</worldbody></mujoco>'
@@ -264,6 +298,7 @@ def test_the_command_says_what_is_wrong_first_ends_with_1_and_writes_for_other_p
         ('<robot><link name="${x}"/></robot>', (), "xacro macros that are not expanded"),
         ('<robot><link name="a"/><link name="a"/></robot>', (), "two links are called 'a'"),
         ('<robot><link name="a"><inertial><mass value="1,5"/></inertial></link></robot>', (), "mass value"),
+        ('<mujoco><compiler coordinate="global"/><worldbody><body/></worldbody></mujoco>', (), "in the axes of the world"),
         ('<robot><link name="arm"/></robot>', ("--link", "arn"), "Did you mean arm"),
         ('<robot><link name="arm"/></robot>', ("--unit", "mm"), "a frame, a mass and a unit of their own"),
         ('<robot><link name="arm"/></robot>', ("--format", "urdf"), "no link has"),

@@ -105,12 +105,9 @@ def tensor_from_axes(
     null = V[int(np.sum(singular > UNSEEN * singular[0])) :]
     unseen = tuple(name for name, column in zip(components, null.T, strict=True) if np.any(np.abs(column) > UNSEEN))
     if unseen:
-        raise BadInput(
-            source=source,
-            field="axes",
-            problem=f"{len(A)} axes do not determine {', '.join('I' + name for name in unseen)} of the {len(components)} entries",
-            remedy="Swing about further axes, not in one plane with these, or state the symmetry with `components`",
-        )
+        problem = f"{len(A)} axes do not determine {', '.join('I' + name for name in unseen)} of the {len(components)} entries"
+        remedy = "Swing about further axes, not in one plane with these, or state the symmetry with `components`"
+        raise BadInput(source=source, field="axes", problem=problem, remedy=remedy)
     # Least squares, linearised exactly in the tolerances of both `A` and `b`
     inverse = np.linalg.pinv(A0)
     x0 = inverse @ b0

@@ -281,7 +281,7 @@ def simulate_command(ctx: click.Context, /, articles: tuple[str, ...], out: Path
     shares FMD and sensors, a folder each below DIR; so are tests of one seed. The truth goes beside a campaign, DIR.truth.json.
 
     `massline simulate MODEL.toml` strikes, shakes or tabulates the structure of a model file instead, or moves its base, with
-    --test. Points and band are the first [[test]]'s where nothing is said. `compare` and `diagnose` read DIR/test.toml, or DIR.
+    --test. Points and band are the first [[test]]'s where nothing is said. `compare` reads DIR/test.toml, and of a base DIR.
     """
     from validation.report.excite import simulate, simulate_structure
     from validation.virtual_test.simulate import question

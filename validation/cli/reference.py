@@ -87,11 +87,8 @@ def reference_command(
     require_use(names, asked)
     pose = None if frame is None else read_frame(frame)
     if identified is not None and len(names) > 1:
-        raise BadInput(
-            source="--identified",
-            problem=f"a result is about one article, found {len(names)}",
-            remedy="Name the one that was identified: massline reference ARTICLE --identified RESULT",
-        )
+        remedy = "Name the one that was identified: massline reference ARTICLE --identified RESULT"
+        raise BadInput(source="--identified", problem=f"a result is about one article, found {len(names)}", remedy=remedy)
     result = None if identified is None else read_result(identified, article=names[0], frame=pose)
     robots = [name for name in names if Path(name).suffix.lower() in robot.ENDINGS]
     for option, value in (("--frame", frame), ("--identified", identified), ("--unit", unit), ("--material", material)):

@@ -166,11 +166,8 @@ def curve(answer: Callable[[Array], Array], low: float, high: float) -> Interpol
             continue
         coefficients = np.asarray(chebyshev.chebfit(chebyshev.chebpts1(DEGREE + 1), values, DEGREE), dtype=np.float64)
         return InterpolatedCurve(low=low, high=high, coefficients=coefficients)
-    raise BadInput(
-        source="pendulum",
-        problem="its lengths leave no room for the smallest effect",
-        remedy="Check lengths, radii and mass in the measurement file",
-    )
+    problem = "its lengths leave no room for the smallest effect"
+    raise BadInput(source="pendulum", problem=problem, remedy="Check lengths, radii and mass in the measurement file")
 
 
 # Classical measurements beside a model, with the tolerances that they have in common.

@@ -171,9 +171,11 @@ def described(structure: Structure, modes: Modes, article: Article | None) -> tu
         whole = {name: energies[owner == k].sum(axis=0) for k, name in enumerate(names)}
         along = {name: rows[owner == k].sum(axis=0) for k, name in enumerate(names)}
     own = {name: owner == k for k, name in enumerate(names)}
+    inner = ~structure.rigid.any(axis=1)  # generalised coordinates, of which nobody knows what they move
+    unknown = np.sum((modes.shapes * (structure.mass @ modes.shapes))[inner], axis=0) > 0.5
     return tuple(
-        _strained(0.0, {})
-        if modes.frequency[r] == 0
+        _strained(modes.frequency[r], shares[r])
+        if modes.frequency[r] == 0 or unknown[r]
         else _described(
             structure,
             own,

@@ -171,12 +171,9 @@ def candidate(added: Added, left: Sequence[str], study: Study, *, allowed: bool)
     free = replace(after, predictions=made)
     found = alias(free, named.id, names_of(free, named))
     if found is not None and found.effects and not allowed:
-        raise BadInput(
-            source=ARGUMENT,
-            field=named.id,
-            problem=f"these data cannot tell it from what is in the model: {found.text}",
-            remedy="Add data that tell them apart, undo the other, or say --alias-ok: knowledge beforehand then shares it out",
-        )
+        problem = f"these data cannot tell it from what is in the model: {found.text}"
+        remedy = "Add data that tell them apart, undo the other, or say --alias-ok: knowledge beforehand then shares it out"
+        raise BadInput(source=ARGUMENT, field=named.id, problem=problem, remedy=remedy)
     # Of a size that was a tolerance of the model before, that; else what its family admits of a careful laboratory
     admitted = {size.key: FAMILIES[named.family].tolerance for size in named.sizes}
     if named.id in before.by_name:

@@ -229,12 +229,9 @@ def require_pair(model: Model, campaigns: Sequence[Campaign]) -> None:
         file = str(Path(campaign.source) / NAME)
         if not (_own(model, campaign) or set(campaign.article.split("+")) <= set(NAMES)):
             near = nearest(campaign.article, (*model.own, model.article))
-            raise BadInput(
-                source=file,
-                field="campaign.article",
-                problem=f"is {campaign.article}, which is not built in, and {model.source} has no model of it",
-                remedy=f"{near}Name its file in [structure.own] of {model.source}, or correct the article",
-            )
+            problem = f"is {campaign.article}, which is not built in, and {model.source} has no model of it"
+            remedy = f"{near}Name its file in [structure.own] of {model.source}, or correct the article"
+            raise BadInput(source=file, field="campaign.article", problem=problem, remedy=remedy)
         hardware, first = campaign.hardware, campaigns[0]
         if model.hardware and hardware and hardware != model.hardware:
             problem = f"is {hardware}, and {model.source} describes {model.hardware}: another FMD, other sensors"
@@ -244,21 +241,15 @@ def require_pair(model: Model, campaigns: Sequence[Campaign]) -> None:
             problem = f"is {hardware}, and that of {first.source} is {first.hardware}: one model describes one hardware"
             raise BadInput(source=file, field="campaign.hardware", problem=problem, remedy="Compare them one after the other")
         if abs(campaign.gravity - model.gravity) > GRAVITY:
-            raise BadInput(
-                source=file,
-                field="environment.gravity",
-                problem=f"is {campaign.gravity:g} m/s^2, and `laboratory.gravity_m_s2` of {model.source} is {model.gravity:g}",
-                remedy="Correct the one that is wrong; 0 is a test without gravity",
-            )
+            problem = f"is {campaign.gravity:g} m/s^2, and `laboratory.gravity_m_s2` of {model.source} is {model.gravity:g}"
+            remedy = "Correct the one that is wrong; 0 is a test without gravity"
+            raise BadInput(source=file, field="environment.gravity", problem=problem, remedy=remedy)
     wanted = _families(model.article)
     if wanted and not any(_families(campaign.article) & wanted for campaign in campaigns):
         articles = ", ".join(f"{campaign.article} ({campaign.source})" for campaign in campaigns)
-        raise BadInput(
-            source=model.source,
-            field="model.article",
-            problem=f"is {model.article}, of which no campaign has a part: {articles}",
-            remedy="Name the campaign of this article, or the model of these",
-        )
+        problem = f"is {model.article}, of which no campaign has a part: {articles}"
+        remedy = "Name the campaign of this article, or the model of these"
+        raise BadInput(source=model.source, field="model.article", problem=problem, remedy=remedy)
     # Each campaign with the first that has its hardware
     of_hardware: dict[str, Campaign] = {}
     for campaign in campaigns:

@@ -66,11 +66,9 @@ def known(name: str, campaign: Campaign, source: str = "--known") -> tuple[Inert
     if above_fmd(name) == there or is_file(name):
         pass
     else:
-        raise BadInput(
-            source=source,
-            problem=f"{name} is not what stands on the FMD in {campaign.source}, whose article is {campaign.article}",
-            remedy=f"{nearest(name, (there,))}Leave {source} out to take {there}, or correct `campaign.article`",
-        )
+        problem = f"{name} is not what stands on the FMD in {campaign.source}, whose article is {campaign.article}"
+        remedy = f"{nearest(name, (there,))}Leave {source} out to take {there}, or correct `campaign.article`"
+        raise BadInput(source=source, problem=problem, remedy=remedy)
     pose, said = mounted(campaign)
     return _inertia(above_fmd(name), source).placed(pose), said
 

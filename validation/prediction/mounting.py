@@ -203,12 +203,9 @@ def mounted_article(model: Model, campaign: Campaign, highest: float = 0.0) -> M
     pose, said = mounted(campaign)
     own = _own(model, article, campaign.article)
     if not own and not set(article.split("+")) <= set(NAMES):
-        raise BadInput(
-            source=model.source,
-            field="own",
-            problem=f"it has no model of {article}, which stands on the FMD in {campaign.source}",
-            remedy=f"State the path of one, or name a stack of {', '.join(NAMES)} in the campaign",
-        )
+        problem = f"it has no model of {article}, which stands on the FMD in {campaign.source}"
+        remedy = f"State the path of one, or name a stack of {', '.join(NAMES)} in the campaign"
+        raise BadInput(source=model.source, field="own", problem=problem, remedy=remedy)
     reach = [run.excitation.band[1] for run in campaign.runs if run.excitation is not None and run.excitation.band is not None]
     reach += [float(one.frequency[-1]) for one in campaign.recordings.values() if one.frequency is not None and not reach]
     there, unread = accelerometers(model, campaign)

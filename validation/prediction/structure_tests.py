@@ -83,12 +83,9 @@ def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePredictio
     for article in dict.fromkeys(one.article for one in tests):
         own = [one for one in tests if one.article == article]
         if article not in model.own:
-            raise BadInput(
-                source=own[0].source,
-                field="article",
-                problem=f"is {article}, and {model.source} has no model of it",
-                remedy=f"{nearest(article, model.own)}Name its file in [structure.own] of {model.source}, or correct the article",
-            )
+            problem = f"is {article}, and {model.source} has no model of it"
+            remedy = f"{nearest(article, model.own)}Name its file in [structure.own] of {model.source}, or correct the article"
+            raise BadInput(source=own[0].source, field="article", problem=problem, remedy=remedy)
         path = model.own[article]
         users = mounting.users_model(path, mounting.stamp(path)).model
         if isinstance(users, Structure):

@@ -361,12 +361,8 @@ def reference(name: str, choice: str | None, asked: ArticleOptions, frame: Pose)
     chosen = choice or next(iter(routes.inertias))
     if chosen not in routes.inertias:
         possible = (*(c for c in (PUBLISHED, MEASURED) if c in printed), *(routes.inertias if is_file(name) else ROUTES))
-        raise BadInput(
-            source=f"article {name}",
-            field="--reference",
-            problem=f"nothing {chosen} is known of it",
-            remedy=f"Choose one of {', '.join(possible)}",
-        )
+        remedy = f"Choose one of {', '.join(possible)}"
+        raise BadInput(source=f"article {name}", field="--reference", problem=f"nothing {chosen} is known of it", remedy=remedy)
     exact = routes.statements()[chosen]
     if PUBLISHED in printed:
         widened = tuple(
@@ -613,12 +609,9 @@ def _statement(table: dict[str, Any], name: str, article: str, frame: Pose | Non
         return _from_inertia(table, name)
     if any(key in table for key in _IDENTIFY[1:]) and "inertia" in table:
         if table.get("origin") == "F" and frame is None and not article.startswith("fmd"):
-            raise BadInput(
-                source=name,
-                field="origin",
-                problem=f"the CoG is stated from F, and {article} does not say where F is",
-                remedy='Say where F is in the article\'s frame, for example --frame "0 0 -45 mm"',
-            )
+            problem = f"the CoG is stated from F, and {article} does not say where F is"
+            remedy = 'Say where F is in the article\'s frame, for example --frame "0 0 -45 mm"'
+            raise BadInput(source=name, field="origin", problem=problem, remedy=remedy)
         inertia = toml_file.require_table(table["inertia"], source=name, where="inertia")
         intervals = toml_file.require_table(table.get("interval95") or {}, source=name, where="interval95")
         said = _from_inertia(inertia, name, intervals)

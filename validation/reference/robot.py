@@ -50,10 +50,6 @@ def _misfit(one: Inertia, other: Inertia) -> float:
 _Slip = Callable[[Link, Inertia, Inertia], tuple[Inertia, Inertia]]
 
 
-def _with_tensor(body: Inertia, tensor: Array) -> Inertia:
-    return Inertia.from_cog(body.mass, body.cog, tensor)
-
-
 def _mapped(body: Inertia, change: Array) -> Inertia:
     """`body` with every place taken through the matrix `change` (3, 3), which may stretch or mirror it; the mass stays."""
     tensor = body.tensor_cog
@@ -61,37 +57,34 @@ def _mapped(body: Inertia, change: Array) -> Inertia:
     return Inertia.from_cog(body.mass, change @ body.cog, np.trace(second) * np.eye(3) - second)
 
 
+def _redrawn(change: Array) -> _Slip:
+    return lambda link, own, drawn: (own, _mapped(drawn, change))
+
+
+def _restated(tensor: Callable[[Link, Inertia], Array]) -> _Slip:
+    return lambda link, own, drawn: (Inertia.from_cog(own.mass, own.cog, tensor(link, own)), drawn)
+
+
+def _other_signs(link: Link, own: Inertia) -> Array:
+    return np.asarray(link.inertial.rotation @ (2 * np.diag(np.diag(link.tensor)) - link.tensor) @ link.inertial.rotation.T)
+
+
 SLIPS: Mapping[str, _Slip] = {
-    "its mesh is in millimetres: give it scale 0.001": lambda link, own, drawn: (own, _mapped(drawn, 1e-3 * np.eye(3))),
-    "its mesh is in inches: give it scale 0.0254": lambda link, own, drawn: (own, _mapped(drawn, 0.0254 * np.eye(3))),
-    "its mesh is 1000 times too small": lambda link, own, drawn: (own, _mapped(drawn, 1e3 * np.eye(3))),
-    "inertia and mesh are mirror images of each other along x": lambda link, own, drawn: (
-        own,
-        _mapped(drawn, np.diag([-1, 1, 1])),
+    "its mesh is in millimetres: give it scale 0.001": _redrawn(1e-3 * np.eye(3)),
+    "its mesh is in inches: give it scale 0.0254": _redrawn(0.0254 * np.eye(3)),
+    "its mesh is 1000 times too small": _redrawn(1e3 * np.eye(3)),
+    **{
+        f"inertia and mesh are mirror images of each other along {axis}": _redrawn(np.diag(np.where(np.eye(3)[k] > 0, -1.0, 1.0)))
+        for k, axis in enumerate("xyz")
+    },
+    "its products have the other sign: they are matrix entries, -∫xy dm, and it states +∫xy dm": _restated(_other_signs),
+    "its tensor is about the link's origin, not about the centre of mass": _restated(
+        lambda link, own: own.tensor_cog - parallel_axis(own.mass, own.cog)
     ),
-    "inertia and mesh are mirror images of each other along y": lambda link, own, drawn: (
-        own,
-        _mapped(drawn, np.diag([1, -1, 1])),
-    ),
-    "inertia and mesh are mirror images of each other along z": lambda link, own, drawn: (
-        own,
-        _mapped(drawn, np.diag([1, 1, -1])),
-    ),
-    "its products have the other sign: they are matrix entries, -∫xy dm, and it states +∫xy dm": lambda link, own, drawn: (
-        _with_tensor(own, link.inertial.rotation @ (2 * np.diag(np.diag(link.tensor)) - link.tensor) @ link.inertial.rotation.T),
-        drawn,
-    ),
-    "its tensor is about the link's origin, not about the centre of mass": lambda link, own, drawn: (
-        _with_tensor(own, own.tensor_cog - parallel_axis(own.mass, own.cog)),
-        drawn,
-    ),
-    "its tensor is in the axes of the link, not in those of the inertial frame": lambda link, own, drawn: (
-        _with_tensor(own, link.tensor),
-        drawn,
-    ),
-    "its tensor is in kg mm²": lambda link, own, drawn: (_with_tensor(own, 1e-6 * own.tensor_cog), drawn),
-    "its tensor is in g mm²": lambda link, own, drawn: (_with_tensor(own, 1e-9 * own.tensor_cog), drawn),
-    "its tensor is in kg cm²": lambda link, own, drawn: (_with_tensor(own, 1e-4 * own.tensor_cog), drawn),
+    "its tensor is in the axes of the link, not in those of the inertial frame": _restated(lambda link, own: link.tensor),
+    "its tensor is in kg mm²": _restated(lambda link, own: 1e-6 * own.tensor_cog),
+    "its tensor is in g mm²": _restated(lambda link, own: 1e-9 * own.tensor_cog),
+    "its tensor is in kg cm²": _restated(lambda link, own: 1e-4 * own.tensor_cog),
     "its centre of mass is in millimetres": lambda link, own, drawn: (
         Inertia.from_cog(own.mass, 1e-3 * own.cog, own.tensor_cog),
         drawn,
@@ -197,6 +190,8 @@ class LinkFindings:
         Mass between a and b has its centre c between them, and about it no more second moment along this axis than
         m (b - c)(c - a) (Bhatia and Davis, American Mathematical Monthly 107, 2000).
         """
+        if self.link.mass and not self.link.tensor.any():
+            return ("its tensor is zero, as if all of it were one point",)
         if self.both is None or self.density is None or self.wrong:
             return ()
         body, corners, found = self.both[0], self.drawn.corners, []

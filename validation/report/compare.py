@@ -292,7 +292,7 @@ def _some(names: tuple[str, ...] | list[str], most: int = 4) -> str:
     return ", ".join(names) if more <= 0 else f"{', '.join(names[:most])} and {more} more"
 
 
-SILENT = 200.0
+SILENT = 150.0
 """[dB] from which a function is that of nothing, in the model or in the data. By definition."""
 
 PAIRS = 6

@@ -424,11 +424,8 @@ def browser_path() -> str:
         return found
     found = next((there for name in NAMES if (there := shutil.which(name))), None)
     if found is None:
-        raise BadInput(
-            source="browser",
-            problem=f"none is on the path, looked for {', '.join(NAMES)}",
-            remedy=f"Install one (Debian: apt-get install chromium), or name another in {BROWSER}",
-        )
+        remedy = f"Install one (Debian: apt-get install chromium), or name another in {BROWSER}"
+        raise BadInput(source="browser", problem=f"none is on the path, looked for {', '.join(NAMES)}", remedy=remedy)
     return found
 
 

@@ -117,11 +117,8 @@ def exported(form: str, tables: Sequence[ReferenceTable], robots: Sequence[Robot
     for one in robots:
         of_one = one.bodies(column or STATED)
         if not of_one:
-            raise BadInput(
-                source="--column",
-                problem=f"{one.source}: no link has {column!r}",
-                remedy=f"Choose one of {', '.join((STATED, *ROUTES))}",
-            )
+            problem = f"{one.source}: no link has {column!r}"
+            raise BadInput(source="--column", problem=problem, remedy=f"Choose one of {', '.join((STATED, *ROUTES))}")
         bodies |= of_one
     name = robots[0].robot.name if robots else next(iter(bodies))
     return inertia_files.written(form, name, bodies)

@@ -107,6 +107,9 @@ tests do not tell and where a force acts, and in load cells below a base."""
 HEAVIEST = 10.0
 """Times what a structure weighs, beyond which a mass upon it is doubted to be in kilograms. By definition."""
 
+HEAVIEST_PICKUP = 1.0
+"""[kg] of a pick-up, beyond which its mass is doubted likewise: those for earthquakes have two thirds of it."""
+
 CROSS = 0.03
 """[share] of the swept motion that a base makes on average along each other axis where nothing is said."""
 
@@ -613,14 +616,9 @@ def _heard(
     scale = np.array(gains, dtype=np.complex128) * np.ones((len(f), 1))
     faults, order = _of_sensors(plan, names)
     for k, one in faults:
-        if one.family.endswith("-gain"):
-            scale[:, k] *= 1 + one.value
-        elif one.family.endswith("-delay"):
-            scale[:, k] *= np.exp(-2j * np.pi * f * one.value)
-        elif one.family == "polarity":
-            scale[:, k] *= -1
-        elif one.family == "unit":
-            scale[:, k] *= one.value
+        delayed = np.exp(-2j * np.pi * f * one.value)
+        change: dict[str, Any] = {"gain": 1 + one.value, "delay": delayed, "polarity": -1, "unit": one.value}
+        scale[:, k] *= change.get(one.family.rpartition("-")[2], 1)
     return np.asarray(scale[:, :, None] * signals[:, order])
 
 
@@ -774,7 +772,8 @@ def plan_of(
     read, points = (*(one.name for one in seen), *below), tuple(one.name for one in driven if kind != MODES)
     words = Vocabulary(accelerometers=read, forces=forces, drives=points, places=None, parts=None)
     hidden, whole = parse_all(effects, words), float(np.diag(users.model.rigid_mass)[:3].max())
-    heavy = (each for each in hidden if each.family == "point-mass" and each.value > HEAVIEST * whole > 0)
+    most = {"point-mass": HEAVIEST * whole or np.inf, "transducer-mass": HEAVIEST_PICKUP}
+    heavy = (each for each in hidden if each.value > most.get(each.family, np.inf))
     odd = (f"{x.id} is {x.value:g} kg on a structure of {whole:.3g} kg; for {x.value:g} g write {x.value / 1e3:g}" for x in heavy)
     if not 0 < limits[0] < limits[1] < np.inf:
         raise BadInput(source="--band", problem=f"must rise from above 0, found {limits}", remedy="Write --band 5 200")

@@ -17,10 +17,18 @@ from geometry.sensors import Point
 from identification import test_file
 from identification.modal_table import ModalTable, mac
 from validation.compare import correlation
-from validation.compare.correlation import ModalCorrelation, comac, cross_orthogonality, frac, of_modes
+from validation.compare.correlation import (
+    FunctionCorrelation,
+    ModalCorrelation,
+    comac,
+    cross_orthogonality,
+    frac,
+    of_modes,
+)
 from validation.effects.stages import Matrices
 from validation.output import from_json, to_json
 from validation.prediction.modal_table import RealModes, real_modes
+from validation.report.compare import correlation_tables
 
 COUNT = 5
 
@@ -156,3 +164,12 @@ def test_nothing_is_said_of_sensors_where_a_table_has_no_shapes() -> None:
     assert set(found.tables()) == {"pairs"}
     assert "MAC" not in found.rule
     assert found.rule != correlation.RULE
+
+
+def test_a_function_that_is_zero_but_for_rounding_has_no_level() -> None:
+    """It had one of -181 dB, where a floor moves across the only direction that the model has."""
+    levels = {"r/rounding": -181.0, "r/low": -90.0}
+    found = FunctionCorrelation(data_set="lab", frac=dict.fromkeys(levels, 0.5), ratio=levels, remarks=())
+    shown = correlation_tables([found])[1]
+    level = next(one for one in shown.columns if one.head == "level")
+    assert [level.of(row) for row in shown.rows] == [None, -90.0]

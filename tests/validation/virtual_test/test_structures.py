@@ -267,6 +267,18 @@ def test_a_mass_that_is_likely_in_grams_is_doubted_and_one_that_is_sound_is_plan
     assert " g write" not in run(*asked("base", *BRIEF, "--effect", f"point-mass:a={2 * whole}", "--out", "light"))[2]
 
 
+def test_a_pick_up_that_is_likely_in_grams_is_doubted(portal: Callable[..., Path], tmp_path: Path) -> None:
+    model = {"drives": ("b:x",), "responses": ("a:x",), "seed": 1, "noise": 1.0, "tolerances": 1.0, "band": None, "block": 0.0}
+    on_ground = portal(tmp_path, 8)
+    plans = [
+        structure_tests.plan_of(str(on_ground), kind="functions", effects=[f"transducer-mass={one}"], **model)
+        for one in (5.0, 0.6)
+    ]
+    assert [len(plan.doubts) for plan in plans] == [1, 0]
+    assert "transducer-mass is 5 kg on a structure of" in plans[0].doubts[0]
+    assert plans[0].doubts[0].endswith("for 5 g write 0.005")
+
+
 def test_accelerometers_at_places_with_names_ride_on_no_node(on_base: Path, run: Any, refused: Any) -> None:
     """A Craig-Bampton model that had rows for its pick-ups was told that they ride on nodes 695 mm away; without these rows all
     that was compared were the accelerometers of the base with themselves: GOOD, 0 %."""

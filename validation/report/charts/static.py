@@ -28,11 +28,8 @@ def require_format(path: Path) -> None:
     BadInput : it is not one of `FORMATS`.
     """
     if path.suffix.lower() not in FORMATS:
-        raise BadInput(
-            source=str(path),
-            problem=f"a picture ends in {', '.join(FORMATS)}, found {path.suffix or 'no ending'}",
-            remedy="Name the file so, the ending chooses the format",
-        )
+        problem = f"a picture ends in {', '.join(FORMATS)}, found {path.suffix or 'no ending'}"
+        raise BadInput(source=str(path), problem=problem, remedy="Name the file so, the ending chooses the format")
 
 
 def save(path: Path, write: Callable[[Path], object]) -> None:

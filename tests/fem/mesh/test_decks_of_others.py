@@ -1,0 +1,190 @@
+"""What decks of other people have, in files of our own: axes of nodes, tabs, sets in other letters, weights for masses."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fem.mesh import deck
+from fem.modes import fixed_base
+from fem.structure import Structure
+from fem.user_model import reading
+from fem.user_model.examine import examine
+from geometry.errors import BadInput
+
+MATERIAL = "*MATERIAL, NAME=STEEL\n*ELASTIC\n2.1E11, 0.3\n*DENSITY\n7850.\n"
+
+STEP = "*STEP\n*FREQUENCY\n4\n*END STEP\n"
+
+PLATE = (
+    "MAT1,1,2.1+11,,0.3,7850.\nPSHELL,1,1,.002,1,,1\n{axes}GRID,1,,0.,0.,0.,{cd}\nGRID,2,,.1,0.,0.\nGRID,3,,.1,.05,0.\n"
+    "GRID,4,,0.,.05,0.,{cd}\nCQUAD4,1,1,1,2,3,4\n{held}ENDDATA\n"
+)
+
+
+def told(
+    folder: Path, text: str, name: str = "deck.inp", units: str = "m-kg-N-s"
+) -> tuple[Structure | None, str, tuple[str, ...]]:
+    """The structure of a deck where nothing of it is lost, its description, and what is lost."""
+    (folder / name).write_text(text)
+    said, lost = deck.described(folder / name, "m-kg-N-s")
+    own = folder / Path(name).with_suffix(".toml")
+    own.write_text(said)
+    return (None if lost else reading.read(own)), said, lost
+
+
+def test_the_middle_of_a_beam_of_three_nodes_is_the_second(tmp_path: Path) -> None:
+    """Of Abaqus and CalculiX; it had been taken for an end, and a cantilever weighed half as much again."""
+    side, long = 0.01, 0.1
+    nodes = "".join(f"{k + 1}, 0., 0., {k * long / 8}\n" for k in range(9))
+    beams = "".join(f"{k + 1}, {2 * k + 1}, {2 * k + 2}, {2 * k + 3}\n" for k in range(4))
+    section = f"*BEAM SECTION, ELSET=E, MATERIAL=STEEL, SECTION=RECT\n{side}, {side}\n1., 0., 0.\n"
+    text = f"*NODE\n{nodes}*ELEMENT, TYPE=B32, ELSET=E\n{beams}{MATERIAL}{section}*BOUNDARY\n1, 1, 6\n{STEP}"
+    structure, *_ = told(tmp_path, text)
+    assert structure is not None
+    euler = 1.8751**2 / (2 * np.pi * long**2) * np.sqrt(2.1e11 * side**2 / 12 / 7850.0)
+    np.testing.assert_allclose(fixed_base(structure, 1).frequency[0], euler, rtol=0.01)  # Timoshenko's is 0.8 % lower
+
+
+@pytest.mark.parametrize(("held", "ways"), [("13456", "y, z"), ("23456", "x, z"), ("123456", "")])
+def test_what_is_held_along_the_freedoms_of_a_node_is_held_there(held: str, ways: str, tmp_path: Path) -> None:
+    """The first axis of the nodes is y, and the second is -x; before, the letters were those of the model's axes."""
+    axes = "CORD2R,5,0,0.,0.,0.,0.,0.,1.\n,0.,1.,0.\n"
+    text = PLATE.format(axes=axes, cd=5, held=f"SPC1,1,{held},1,4\n")
+    _, said, lost = told(tmp_path, text, "deck.bdf")
+    assert not lost
+    assert ("holds" not in said and "clamp" in said) if not ways else f'nodes = [1, 4]\ndirections = ["{ways[0]}", "z", ' in said
+
+
+def test_what_is_held_askew_is_said_and_what_is_held_in_all_is_not(tmp_path: Path) -> None:
+    axes = "CORD2R,5,0,0.,0.,0.,0.,0.,1.\n,1.,1.,0.\n"
+    assert not told(tmp_path, PLATE.format(axes=axes, cd=5, held="SPC1,1,123456,1,4\n"), "deck.bdf")[2]
+    lost = told(tmp_path, PLATE.format(axes=axes, cd=5, held="SPC1,1,13456,1,4\n"), "deck.bdf")[2]
+    assert lost == ("where nodes 1, 4 are held: along axes of their own (CD, *TRANSFORM) that are not those of the model",)
+
+
+def test_a_link_along_the_freedoms_of_nodes_with_axes_of_their_own_is_lost(tmp_path: Path) -> None:
+    axes = "CORD2R,5,0,0.,0.,0.,0.,0.,1.\n,0.,1.,0.\nGRID,9,,0.,0.,.1\nCONM2,7,9,,1.\nRBE2,8,9,13,1,4\n"
+    lost = told(tmp_path, PLATE.format(axes=axes, cd=5, held="SPC1,1,123456,2\n"), "deck.bdf")[2]
+    assert any(one.startswith("RBE2 8: in 13 along the freedoms of nodes that have axes of their own") for one in lost)
+
+
+def pinned(first: str, transform: str) -> str:
+    nodes = "*NODE\n1, .1, 0., 0.\n2, .1, 0., .05\n3, .1, 0., .1\n"
+    section = "*BEAM SECTION, ELSET=e, MATERIAL=STEEL, SECTION=RECT\n.01, .02\n1., 0., 0.\n"
+    sets = "*NSET, NSET=Root\n1\n*NSET, NSET=Foot\nROOT\n"
+    head = f"{nodes}*ELEMENT, TYPE=B31, ELSET=E\n1, 1, 2\n2, 2, 3\n{sets}{MATERIAL}{section}"
+    return f"{head}*BOUNDARY\nfoot, {first}\n{transform}{STEP}"
+
+
+@pytest.mark.parametrize("transform", ["TYPE=R\n0., 1., 0., -1., 0., 0.\n", "TYPE=C\n.1, -1., 0., .1, -1., 1.\n"])
+def test_a_transform_turns_what_its_nodes_are_held_in(transform: str, tmp_path: Path) -> None:
+    """Their first axis is y, their second -x; the set is called by a set in other letters, which had left the beam free."""
+    _, said, lost = told(tmp_path, pinned("2, 6", f"*TRANSFORM, NSET=ROOT, {transform}"))
+    assert not lost
+    assert 'directions = ["x", "z", "alpha", "beta", "gamma"]' in said
+
+
+def test_a_spring_along_axes_of_its_nodes_is_lost(tmp_path: Path) -> None:
+    spring = "*ELEMENT, TYPE=SPRING1, ELSET=S\n9, 3\n*SPRING, ELSET=S\n1\n1000.\n"
+    spring += "*TRANSFORM, NSET=TIP, TYPE=R\n0., 1., 0., -1., 0., 0.\n"
+    lost = told(tmp_path, pinned("1, 6", f"*NSET, NSET=TIP\n3\n{spring}"))[2]
+    assert lost == ("*SPRING S 9: it acts along axes of its nodes (*TRANSFORM)",)
+
+
+def test_calculix_minds_no_blanks_in_keywords(tmp_path: Path) -> None:
+    text = pinned("1, 6", "")
+    glued = text.replace("*BEAM SECTION", "*BEAMSECTION").replace("*END STEP", "*ENDSTEP")
+    assert told(tmp_path, glued)[1:] == told(tmp_path, text)[1:]
+
+
+def test_tabs_stand_for_blanks_up_to_the_next_field(tmp_path: Path) -> None:
+    text = PLATE.format(axes="", cd="", held="SPC1,1,123456,1,4\n")
+    assert told(tmp_path, text.replace(",", "\t"), "deck.bdf")[1:] == told(tmp_path, text, "deck.bdf")[1:]
+
+
+@pytest.mark.parametrize(
+    ("was", "now", "words"),
+    [
+        ("SECTION=RECT", "SECTION=RECT, OFFSET1=0.5", "*BEAM SECTION e: how far it is off its nodes (OFFSET1, OFFSET2)"),
+        ("*BEAM SECTION", "*BEAM GENERAL SECTION", "elements 1, 2: they have no section or property that is known here"),
+    ],
+)
+def test_what_a_section_says_besides_is_lost_with_words(was: str, now: str, words: str, tmp_path: Path) -> None:
+    assert words in told(tmp_path, pinned("1, 6", "").replace(was, now))[2]
+
+
+def test_a_shear_modulus_that_is_not_that_of_modulus_and_ratio_is_said(tmp_path: Path) -> None:
+    text = PLATE.format(axes="", cd="", held="SPC1,1,123456,1,4\n")
+    assert told(tmp_path, text.replace("2.1+11,,", "2.1+11,8.+10,"), "deck.bdf")[2] == ()
+    lost = told(tmp_path, text.replace("2.1+11,,", "2.1+11,1.+9,"), "deck.bdf")[2]
+    assert lost == ("MAT1 1: its G of 1e+09, which E and NU make 8.077e+10; that is taken",)
+
+
+def test_the_second_spring_law_of_a_card_counts(tmp_path: Path) -> None:
+    more = "PELAS,1,1.+5,,,2,2.+5\nCELAS1,7,2,2,3\n"
+    _, said, lost = told(tmp_path, PLATE.format(axes=more, cd="", held="SPC1,1,123456,1,4\n"), "deck.bdf")
+    assert not lost
+    assert '"200000 N/m"' in said
+
+
+INCHES = "MAT1,1,10.+6,,.33,{rho}\nPSHELL,1,1,.1,1,,1\n{more}" + PLATE.partition("{axes}")[2].format(
+    cd="", held="SPC1,1,123456,1,4\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("units", "words"),
+    [
+        (None, "its units cannot be told: none of .*; in mm-kg-mN-s and in-lbf-s its densities would be weights"),
+        ("in-lbf-s", "its densities are weights, not masses, in in-lbf-s.*PARAM,WTMASS,0.00259"),
+    ],
+)
+def test_weights_for_masses_are_told_with_what_makes_masses_of_them(units: str | None, words: str, tmp_path: Path) -> None:
+    """Aluminium of 0.1 lbf/in³ had weighed 1.07e6 kg/m³ without a word where the units were named."""
+    (tmp_path / "deck.bdf").write_text(INCHES.format(rho=".1", more=""))
+    with pytest.raises(BadInput, match=words):
+        deck.described(tmp_path / "deck.bdf", units)
+    (tmp_path / "deck.bdf").write_text(INCHES.format(rho=".1", more="PARAM,WTMASS,.00259\n"))
+    assert 'density = "2767' in deck.described(tmp_path / "deck.bdf", units)[0]
+
+
+def test_a_structure_without_any_mass_is_refused_with_units_named_too(tmp_path: Path) -> None:
+    (tmp_path / "deck.bdf").write_text(INCHES.format(rho="", more=""))
+    with pytest.raises(BadInput, match="no material states a density"):
+        deck.described(tmp_path / "deck.bdf", "in-lbf-s")
+    (tmp_path / "deck.bdf").write_text(INCHES.format(rho="", more="CONM2,9,3,,1.\n"))
+    assert "CONM2 9" in deck.described(tmp_path / "deck.bdf", "in-lbf-s")[0]
+
+
+def brick(held: str) -> str:
+    """A hexahedron whose face at x = 0 rides on node 9, and is turned as node 10 moves."""
+    nodes = (
+        "*NODE\n" + "".join(f"{k + 1}, {x}, {y}, {z}\n" for k, (x, y, z) in enumerate(CUBE)) + "9, 0., .5, .5\n10, 0., .5, .5\n"
+    )
+    cell = "*ELEMENT, TYPE=C3D8, ELSET=E\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=FOOT\n1, 4, 5, 8\n"
+    body = "*SOLID SECTION, ELSET=E, MATERIAL=STEEL\n*RIGID BODY, NSET=FOOT, REF NODE=9, ROT NODE=10\n"
+    return f"{nodes}{cell}{MATERIAL}{body}*BOUNDARY\n9, 1, 3\n{held}{STEP}"
+
+
+CUBE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+
+
+def test_a_rigid_body_is_held_in_rotation_by_its_own_node(tmp_path: Path) -> None:
+    """CalculiX has rotations of a rigid body as displacements of another node; held there, it had been free to turn."""
+    assert 'interface = ["RIGID BODY FOOT"]' in told(tmp_path, brick("10, 1, 3\n"))[1]
+    assert 'directions = ["x", "y", "z", "alpha", "gamma"]' in told(tmp_path, brick("10, 1\n10, 3\n"))[1]
+    assert 'directions = ["x", "y", "z"]' in told(tmp_path, brick(""))[1]
+
+
+def test_a_mesh_that_is_not_held_is_told_by_who_examines_it(tmp_path: Path) -> None:
+    """«Nothing is wrong with it» was said of a bar without torsion and of a plate that slides, neither of which has modes."""
+    bar = "MAT1,1,2.1+11,,.3,7850.\nPBAR,1,1,1.-4,1.-9,1.-9,{J}\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nCBAR,1,1,1,2,0.,1.,0.\n"
+    for name, text, sound in [
+        ("bar", f"{bar}SPC1,1,123456,1\nENDDATA\n".format(J=""), False),
+        ("rod", f"{bar}SPC1,1,123456,1\nENDDATA\n".format(J="2.-9"), True),
+        ("plate", PLATE.format(axes="", cd="", held="SPC1,1,13456,1,4\n"), False),
+    ]:
+        told(tmp_path, text, f"{name}.bdf")
+        found = examine(tmp_path / f"{name}.toml").findings
+        assert any(one.check == "support" for one in found) != sound, name
