@@ -586,6 +586,9 @@ NOTHING_READ = 1e6
 """[%] of what a channel reads, from which it reads nothing, and no share of it is told. Exercised by
 tests/validation/prediction/test_single_axis.py."""
 
+TIMES = 1e3
+"""[%] from which a share is told as so many times. By definition."""
+
 NAMED = 3
 """Runs that are listed by name; of more, their number is."""
 
@@ -593,7 +596,8 @@ NAMED = 3
 def text(spot: Spot, configurations: int = 2) -> str:
     """One spot; the configuration is left out where there is only one."""
     where = f" of {spot.data_set}" if configurations > 1 else ""
-    share = "of the dynamic mass" if spot.of_load else "of what it reads"
+    whole, times = "the dynamic mass" if spot.of_load else "what it reads", spot.percent / 100
+    share = f"{two_digits(spot.percent)} % of {whole}" if spot.percent < TIMES else f"{two_digits(times)} times {whole}"
     # As many digits of the band as tell its ends apart
     low, high = (f"{one:.0f}" for one in spot.band)
     if low == high:
@@ -602,7 +606,7 @@ def text(spot: Spot, configurations: int = 2) -> str:
         f"{SENSED.get(spot.row, spot.row)} in {run(spot.run, spot.axis)}{where}",
         *([] if np.isnan(spot.frequency) else [f"{low} Hz" if low == high else f"{low}-{high} Hz"]),
         f"{two_digits(spot.sigma)} sigma",
-        *([f"{two_digits(spot.percent)} % {share}"] if spot.percent < NOTHING_READ else []),
+        *([share] if spot.percent < NOTHING_READ else []),
         *([spot.course] if spot.course else []),
     ]
     # The same row in other runs and data sets

@@ -148,6 +148,14 @@ MOMENT = Spot(
 )
 
 
+SHARES = ((990.0, "990 % of the dynamic mass"), (1432.0, "14 times the dynamic mass"), (1e6, "sigma, follows"))
+
+
+@pytest.mark.parametrize(("percent", "said"), SHARES)
+def test_what_is_many_times_what_is_read_is_told_as_so_many_times_and_of_nothing_there_is_no_share(percent, said):
+    assert said in text(replace(MOMENT, percent=percent))
+
+
 @pytest.mark.parametrize(("band", "said"), [((12.1, 12.4), "12.1-12.4 Hz"), ((7.0, 7.0), "7.0 Hz")])
 def test_a_band_is_told_with_the_digits_that_tell_its_ends_apart(band, said):
     assert f", {said}, 9.2 sigma" in text(replace(MOMENT, band=band))
