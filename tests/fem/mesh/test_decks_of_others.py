@@ -83,6 +83,11 @@ def test_a_transform_turns_what_its_nodes_are_held_in(transform: str, tmp_path: 
     assert 'directions = ["x", "z", "alpha", "beta", "gamma"]' in said
 
 
+def test_spherical_axes_are_lost_in_words_and_are_no_damage(tmp_path: Path) -> None:
+    lost = told(tmp_path, pinned("2, 6", "*TRANSFORM, NSET=ROOT, TYPE=S\n0., 0., 0., 0., 0., 1.\n"))[2]
+    assert lost == ("*TRANSFORM ROOT: its axes are spherical",)
+
+
 def test_a_spring_along_axes_of_its_nodes_is_lost(tmp_path: Path) -> None:
     spring = "*ELEMENT, TYPE=SPRING1, ELSET=S\n9, 3\n*SPRING, ELSET=S\n1\n1000.\n"
     spring += "*TRANSFORM, NSET=TIP, TYPE=R\n0., 1., 0., -1., 0., 0.\n"
