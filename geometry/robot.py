@@ -267,8 +267,8 @@ class _Mjcf(_Numbers):
             raise BadInput(
                 source=str(path), field="compiler", problem=problem, remedy="Save it by MuJoCo 2.3.3, which turns them"
             )
-        off = ("false", "-1")
-        self.rescaled = [key for key in ("settotalmass", "balanceinertia") if compiler.get(key, "false") not in off]
+        scaled = self.of(Element("compiler", compiler), "settotalmass", [-1.0])[0] > 0, compiler.get("balanceinertia") == "true"
+        self.rescaled = [key for key, on in zip(("settotalmass", "balanceinertia"), scaled, strict=True) if on]
         self.degrees = compiler.get("angle", "degree") != "radian"
         self.of_geoms = compiler.get("inertiafromgeom", "auto") == "true"
         self.order = compiler.get("eulerseq", "xyz")
@@ -361,7 +361,7 @@ class _Mjcf(_Numbers):
             *(tensor + [0.0] * (6 - len(tensor))),
         ]
         link = self.link(name, float(self.of(stated, "mass", [0.0])[0]), six, pose, written, shapes)
-        return replace(link, note=f"MuJoCo rescales it ({', '.join(self.rescaled)})") if self.rescaled else link
+        return replace(link, note=f"MuJoCo rescales it ({', '.join(self.rescaled)})") if self.rescaled and link.mass else link
 
     def pose(self, element: Element) -> Pose:
         """`pos` and one of quat, euler, axisangle, xyaxes and zaxis."""

@@ -56,7 +56,7 @@ def _system(deck: Deck, source: str, named: str | None) -> UnitSystem:
     if len(weights) == 1:
         own, remedy = g[weights[0]], "Divide them by {0:.6g}, or write PARAM,WTMASS,{1:.6g} in bulk data"
         problem = f"its densities are weights, not masses, in {weights[0]}"
-        raise BadInput(source=source, problem=problem, remedy=remedy.format(own, 1 / own))
+        raise BadInput(source=source, problem=problem, remedy=remedy.format(own, deck.weight / own))
     if named is not None or len(fitting) == 1:
         return (fitting or known)[0]
     which = " and ".join(one.name for one in fitting) or f"none of {', '.join(KNOWN)}"

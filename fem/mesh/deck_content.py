@@ -750,6 +750,8 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
                 deck.lose(name, "it has no reference node")
         elif keyword == "BOUNDARY":
             deck.boundary(rows)
+        elif keyword == "TRANSFORM" and o.get("TYPE") == "S":
+            deck.lose(name, "its axes are spherical")
         elif keyword == "TRANSFORM":
             turned = System.of(o.get("TYPE", "R"), *np.array([real(text) for text in [*first, *6 * [""]][:6]]).reshape(2, 3))
             deck.axes |= {node: turned.directions(point[node]) for node in numbers_of(mesh, [options["NSET"]]) if node in point}

@@ -2,7 +2,7 @@
 
 A broadband floor would not see mains or drift. So the spectral density of the quiet parts is taken (Hann segments of up to two
 seconds, Welch 1967, averaged over all runs), smoothed where it is smooth and left as it is where a tone stands out of it. A run
-that is noisier than the others, since its range was set anew for it, has the noise of its own quiet parts.
+that is noisier than the others, since its range was set anew for it, or of another rate has the noise of its own quiet parts.
 
 Stationary noise of the two-sided density S(f) [unit²/Hz] gives
 
@@ -49,11 +49,13 @@ class Density:
 
     Attributes
     ----------
+    rate : [Hz] of the records
     frequency : (k,) [Hz]
     values : (k, c) [unit² / Hz]
     segments : how many were averaged for each channel (c,)
     """
 
+    rate: float
     frequency: Array
     values: Array
     segments: npt.NDArray[np.int_]
@@ -93,7 +95,7 @@ def density(campaign: Campaign, run: str | None = None) -> Density | None:
     median = np.median(around(mean, 2 * max(round(AROUND / step), 1) + 1), axis=-1)
     top = median * (1 + 6 / np.sqrt(segments))  # six standard deviations of a mean of so many periodograms
     even = np.mean(around(np.minimum(mean, top), _width(step)), axis=-1)
-    return Density(frequency=frequency, values=np.where(mean > top, mean, even), segments=segments)
+    return Density(rate=rate, frequency=frequency, values=np.where(mean > top, mean, even), segments=segments)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -127,7 +129,7 @@ def of_lines(campaign: Campaign, frequency: Array) -> OfLines:
         return np.stack([np.interp(lines, one.frequency, column) for column in one.values.T], axis=1)
 
     def broadband(one: Density) -> Array:
-        return np.asarray(np.sqrt(2 * one.frequency[-1] * one.values.mean(axis=0)))
+        return np.asarray(np.sqrt(one.rate * one.values.mean(axis=0)))
 
     found, runs, channels = density(campaign), campaign.runs, campaign.table.channels
     whole, floors = np.zeros((len(runs), len(frequency), len(channels))), np.zeros((len(runs), len(channels)))
@@ -137,7 +139,7 @@ def of_lines(campaign: Campaign, frequency: Array) -> OfLines:
         for k, run in enumerate(runs):
             if (own := density(campaign, run.name)) is not None:
                 # By most of its lines: what rings is louder at a few
-                louder = np.median(own.values - STILL * at(found, own.frequency), axis=0) > 0
+                louder = (np.median(own.values - STILL * at(found, own.frequency), axis=0) > 0) | (own.rate != found.rate)
                 whole[k, :, louder] = at(own, frequency)[:, louder].T
                 floors[k, louder] = broadband(own)[louder]
     stated = np.array([channel.noise_rms or 0.0 for channel in channels])

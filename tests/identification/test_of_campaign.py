@@ -367,6 +367,17 @@ def test_a_run_recorded_in_a_wider_range_has_the_noise_of_its_own_and_neither_be
     assert not [said for said in spectra(made).warnings if "motion" in said or "ring-down" in said]
 
 
+def test_a_run_that_was_recorded_faster_has_the_noise_of_its_own(campaign: Campaign) -> None:
+    """Its recorder's noise lies over four times the band: by that of the others it had four times its power."""
+    whole = longer(campaign)
+    one = whole.recordings[whole.runs[-1].name]
+    made = replace(whole, recordings={**whole.recordings, whole.runs[-1].name: replace(one, sampling_rate=4 * RATE)})
+    found = noise.of_lines(made, LINES).density.mean(axis=1)
+    shares = np.where(np.arange(len(made.runs)) == len(made.runs) - 1, 0.25, 1.0)
+    stated = np.array([channel.noise_rms for channel in campaign.table.channels])
+    assert_allclose(found, shares[:, None] * stated**2 / RATE, rtol=0.5)
+
+
 def changed(campaign: Campaign, change: Callable[[Array], Array], stated: bool = True) -> Campaign:
     """The campaign with the samples of every run changed, without floors in its table unless `stated`."""
     channels = tuple(one if stated else replace(one, noise_rms=None) for one in campaign.table.channels)

@@ -243,7 +243,7 @@ def test_a_tensor_of_zeros_is_doubted_as_that_of_a_point(tmp_path: Path) -> None
     assert not any("zero" in one for one in found.doubts)
 
 
-@pytest.mark.parametrize(("setting", "rescaled"), [("1.5", True), ("-1", False)])
+@pytest.mark.parametrize(("setting", "rescaled"), [("1.5", True), ("-1", False), ("-1.0", False), ("0", False)])
 def test_masses_that_mujoco_rescales_are_said_to_be(setting: str, rescaled: bool, tmp_path: Path) -> None:
     body = '<body name="b"><inertial pos="0 0 0" mass="10" diaginertia="1 1 1"/><geom size="0.1"/></body>'
     text = f'<mujoco><compiler settotalmass="{setting}"/><worldbody>{body}</worldbody></mujoco>'

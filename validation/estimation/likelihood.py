@@ -196,8 +196,9 @@ def freedom(seen: ObservedLines, predicted: Predicted, floor: float) -> Array:
         return np.broadcast_to(np.float64(seen.parts), seen.values.shape)
     read = np.broadcast_to(~seen.unmeasured, seen.values.shape[2:])
     Q, _ = np.linalg.qr(seen.weight(floor, predicted.noise)[..., None] * predicted.rows)
-    P = np.eye(len(read)) - Q @ Q.conj().swapaxes(-1, -2)
-    return np.asarray(seen.parts * read * np.sum(np.square(np.abs(P[..., read, :])), axis=-2))
+    unread = Q[..., ~read, :] @ Q.conj().swapaxes(-1, -2)  # rows of -P; as P² = P, the others need not be made
+    left = 1 - np.sum(np.square(np.abs(Q)), axis=-1) - np.sum(np.square(np.abs(unread)), axis=-2)
+    return np.asarray(seen.parts * read * np.maximum(left, 0.0))
 
 
 def _of_run(rows: ComplexArray, run: int) -> ComplexArray:

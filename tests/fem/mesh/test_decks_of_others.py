@@ -22,9 +22,7 @@ PLATE = (
 )
 
 
-def told(
-    folder: Path, text: str, name: str = "deck.inp", units: str = "m-kg-N-s"
-) -> tuple[Structure | None, str, tuple[str, ...]]:
+def told(folder: Path, text: str, name: str = "deck.inp") -> tuple[Structure | None, str, tuple[str, ...]]:
     """The structure of a deck where nothing of it is lost, its description, and what is lost."""
     (folder / name).write_text(text)
     said, lost = deck.described(folder / name, "m-kg-N-s")
@@ -83,6 +81,11 @@ def test_a_transform_turns_what_its_nodes_are_held_in(transform: str, tmp_path: 
     _, said, lost = told(tmp_path, pinned("2, 6", f"*TRANSFORM, NSET=ROOT, {transform}"))
     assert not lost
     assert 'directions = ["x", "z", "alpha", "beta", "gamma"]' in said
+
+
+def test_spherical_axes_are_lost_in_words_and_are_no_damage(tmp_path: Path) -> None:
+    lost = told(tmp_path, pinned("2, 6", "*TRANSFORM, NSET=ROOT, TYPE=S\n0., 0., 0., 0., 0., 1.\n"))[2]
+    assert lost == ("*TRANSFORM ROOT: its axes are spherical",)
 
 
 def test_a_spring_along_axes_of_its_nodes_is_lost(tmp_path: Path) -> None:
@@ -144,6 +147,9 @@ def test_weights_for_masses_are_told_with_what_makes_masses_of_them(units: str |
     """Aluminium of 0.1 lbf/in³ had weighed 1.07e6 kg/m³ without a word where the units were named."""
     (tmp_path / "deck.bdf").write_text(INCHES.format(rho=".1", more=""))
     with pytest.raises(BadInput, match=words):
+        deck.described(tmp_path / "deck.bdf", units)
+    (tmp_path / "deck.bdf").write_text(INCHES.format(rho=".05", more="PARAM,WTMASS,2.\n"))
+    with pytest.raises(BadInput, match=words.replace(",0.00259", ",0.00518")):
         deck.described(tmp_path / "deck.bdf", units)
     (tmp_path / "deck.bdf").write_text(INCHES.format(rho=".1", more="PARAM,WTMASS,.00259\n"))
     assert 'density = "2767' in deck.described(tmp_path / "deck.bdf", units)[0]

@@ -20,7 +20,8 @@ from validation.diagnose.diagnosis import Candidate, FoundNode, Screened
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, STRUCTURE, evidence_threshold
 from validation.estimation.fit import FLOOR, unfitted
-from validation.estimation.problem import EFFECT, FITTED, Fit, Parameter
+from validation.estimation.likelihood import ObservedLines
+from validation.estimation.problem import EFFECT, FITTED, Fit, Parameter, Predicted
 from validation.estimation.screening import ScoreTest
 from validation.estimation.verdicts import expected_z2
 from validation.model import model_file
@@ -833,10 +834,17 @@ def test_the_misfit_of_a_null_is_the_share_of_noise_and_an_estimate_of_the_noise
 def test_where_what_nobody_measured_takes_every_reading_the_limit_is_that_of_noise_still(noisy, monkeypatch):
     """A mean over readings that count for nothing had ended in a division by zero."""
     limit = candidate_fits.goodness_of_fit(fitted(), noisy).limit
-    (one,) = noisy.predictions
-    one.measured.unmeasured, one.at = ("unmeasured-x",), lambda offsets, lines, derivatives: offsets
     monkeypatch.setattr(candidate_fits, "freedom", lambda seen, predicted, floor: np.zeros(seen.noise.shape))
     assert_allclose(candidate_fits.goodness_of_fit(fitted(), noisy).limit, limit, rtol=1e-12)
+
+
+def test_what_is_due_of_a_channel_that_the_inputs_take_counts_for_nothing(noisy, monkeypatch):
+    """A table's one pick-up, whose variance is a model's error but for a tenth, tells its motion; half of another's is noise."""
+    noise = np.ones((1, 4, 2))
+    seen = ObservedLines(runs=("x",), values=0j * noise, noise=noise, floor=noise * [3.0, 1.0] / FLOOR, inputs=None)
+    monkeypatch.setattr(candidate_fits, "observed", lambda measured, lines: seen)
+    noisy.predictions[0].at = lambda *_, **__: Predicted(rows=np.tile([[1.0 + 0j], [0.0]], (4, 1, 1)))
+    assert_allclose(candidate_fits.goodness_of_fit(fitted(), noisy).limit, 0.53, rtol=1e-12)  # 0.318 where both count alike
 
 
 def test_a_class_that_admits_a_discrepancy_is_judged_by_replicated_data(noisy):
