@@ -93,12 +93,9 @@ def identify(request: Request, progress: Progress | None = None) -> Identificati
     left_out = estimate.excitation.excluded(request.condition_limit)
     if np.count_nonzero(left_out.kept) < 2:
         why = f": {'; '.join(left_out.reasons)}" if left_out.reasons else ""
-        raise BadInput(
-            source=request.campaign.source,
-            field="runs",
-            problem=f"the base motions are told apart at hardly any line{why}",
-            remedy="Drive every one of the six axes in a run of its own, or raise --condition-limit",
-        )
+        said = f"the base motions are told apart at hardly any line{why}"
+        remedy = "Drive every one of the six axes in a run of its own, or raise --condition-limit"
+        raise BadInput(source=request.campaign.source, field="runs", problem=said, remedy=remedy)
 
     # What is to be taken for rigid is cut well below its first resonance, as far as one would keep of it by hand
     warnings = [*request.campaign.warnings, *article.warnings]

@@ -101,9 +101,8 @@ def full_record(signals: npt.ArrayLike, sampling_rate: float, frequency: npt.Arr
     x, lines = np.asarray(signals, dtype=np.float64), np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     if x.ndim < 1 or len(x) < 2 or not np.all(np.isfinite(x)):
         found = f"{len(x)} samples" if x.ndim and len(x) < 2 else "NaN or infinity"
-        raise BadInput(
-            source=source, field="signals", problem=f"a record of finite samples is needed, found {found}", remedy="Check it"
-        )
+        problem = f"a record of finite samples is needed, found {found}"
+        raise BadInput(source=source, field="signals", problem=problem, remedy="Check it")
     if not np.all((lines >= 0) & (lines <= sampling_rate / 2)):
         problem = f"lines end at half the sampling rate, {sampling_rate / 2:g} Hz, found {lines.min():g} to {lines.max():g} Hz"
         raise BadInput(source=source, field="frequency", problem=problem, remedy="Ask for lines within, or record faster")

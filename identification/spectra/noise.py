@@ -60,42 +60,58 @@ class Density:
     values: Array
     segments: npt.NDArray[np.int_]
 
+    @classmethod
+    def of(cls, powers: Array, length: int, rate: float) -> "Density":
+        """The mean of periodograms (s, k, c) of segments of so many samples that are still, smoothed where it is smooth."""
 
-def density(campaign: Campaign, run: str | None = None) -> Density | None:
-    """The spectral density of the quiet parts of all runs, or of one; None where none has one."""
+        def around(values: Array, width: int) -> Array:
+            """(k, c, width) an odd number of lines of (k, c) about each; the first and the last go on beyond the ends."""
+            padded = np.pad(values, ((width // 2, width // 2), (0, 0)), mode="edge")
+            return np.lib.stride_tricks.sliding_window_view(padded, width, axis=0)
 
-    def around(values: Array, width: int) -> Array:
-        """(k, c, width) an odd number of lines of `values` (k, c) about each; the first and the last go on beyond the ends."""
-        padded = np.pad(values, ((width // 2, width // 2), (0, 0)), mode="edge")
-        return np.lib.stride_tricks.sliding_window_view(padded, width, axis=0)
+        kept = (total := powers.sum(axis=1)) <= STILL * total.min(axis=0)
+        segments = kept.sum(axis=0)
+        mean = np.sum(powers * kept[:, None, :], axis=0) / segments
+        # A running mean, but the density itself where it stands out of the running median
+        frequency = np.asarray(np.fft.rfftfreq(length, 1 / rate), dtype=np.float64)
+        step = float(frequency[1])
+        median = np.median(around(mean, 2 * max(round(AROUND / step), 1) + 1), axis=-1)
+        top = median * (1 + 6 / np.sqrt(segments))  # six standard deviations of a mean of so many periodograms
+        even = np.mean(around(np.minimum(mean, top), _width(step)), axis=-1)
+        return cls(rate=rate, frequency=frequency, values=np.where(mean > top, mean, even), segments=segments)
 
-    rate, parts = 0.0, []  # the samples (n, c) of every row of quiet blocks; of one rate, another would need a grid of its own
-    for one in campaign.recordings.values() if run is None else (campaign.recordings[run],):
+    @property
+    def floors(self) -> Array:
+        """(c,) broadband rms."""
+        return np.asarray(np.sqrt(self.rate * self.values.mean(axis=0)))
+
+    def at(self, lines: Array) -> Array:
+        """(n, c) at `lines` (n,) [Hz]."""
+        return np.stack([np.interp(lines, self.frequency, column) for column in self.values.T], axis=1)
+
+
+def densities(campaign: Campaign) -> tuple[Density | None, dict[str, Density]]:
+    """The spectral density of the quiet parts of all runs of one rate, None where no run has one; and by run that of its own."""
+    own, of = dict[str, Density](), dict[tuple[float, int], list[Array]]()
+    for name, one in campaign.recordings.items():
         quiet = quiet_blocks(one, campaign.table)
-        if quiet is None or one.sampling_rate is None or one.sampling_rate != (rate := rate or one.sampling_rate):
+        if quiet is None or one.sampling_rate is None:
             continue
-        edges = block_length(rate) * np.flatnonzero(np.diff(np.concatenate([[False], quiet, [False]]).astype(np.int8)))
-        parts += [one.values[start:end] for start, end in zip(edges[::2], edges[1::2], strict=True)]
-    if not parts:
-        return None
-    length = min(max(len(part) for part in parts), SEGMENT * block_length(rate))
-    # (s, k, c) two-sided densities of segments, overlapping by half, about their straight lines
-    window, hop = hann(length), max(length // 2, 1)
-    cut = [part[start : start + length] for part in parts for start in range(0, len(part) - length + 1, hop)]
-    lines = [np.fft.rfft(without_straight_line(piece) * window[:, None], axis=0) for piece in cut]
-    powers = np.abs(np.stack(lines)) ** 2 / (rate * np.sum(window**2))
-    total = powers.sum(axis=1)
-    kept = total <= STILL * total.min(axis=0)
-    mean = np.sum(powers * kept[:, None, :], axis=0) / kept.sum(axis=0)
-    frequency = np.asarray(np.fft.rfftfreq(length, 1 / rate), dtype=np.float64)
-
-    # A running mean, but the density itself where it stands out of the running median
-    segments = kept.sum(axis=0)
-    step = frequency[1] - frequency[0]
-    median = np.median(around(mean, 2 * max(round(AROUND / step), 1) + 1), axis=-1)
-    top = median * (1 + 6 / np.sqrt(segments))  # six standard deviations of a mean of so many periodograms
-    even = np.mean(around(np.minimum(mean, top), _width(step)), axis=-1)
-    return Density(rate=rate, frequency=frequency, values=np.where(mean > top, mean, even), segments=segments)
+        rate, block = one.sampling_rate, block_length(one.sampling_rate)
+        edges = block * np.flatnonzero(np.diff(np.concatenate([[False], quiet, [False]]).astype(np.int8)))
+        parts = [one.values[start:end] for start, end in zip(edges[::2], edges[1::2], strict=True)]
+        length = min(max(len(part) for part in parts), SEGMENT * block)
+        # (s, k, c) two-sided densities of segments, overlapping by half, about their straight lines
+        window, hop = hann(length), max(length // 2, 1)
+        cut = [part[start : start + length] for part in parts for start in range(0, len(part) - length + 1, hop)]
+        lines = [np.fft.rfft(without_straight_line(piece) * window[:, None], axis=0) for piece in cut]
+        powers = np.abs(np.stack(lines)) ** 2 / (rate * np.sum(window**2))
+        own[name] = Density.of(powers, length, rate)
+        of.setdefault((rate, length), []).append(powers)
+    if not own:
+        return None, own
+    rate, length = max(key for key in of if key[0] == next(iter(own.values())).rate)  # another would need a grid of its own
+    return Density.of(np.concatenate(of[rate, length]), length, rate), own
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -124,24 +140,16 @@ def of_lines(campaign: Campaign, frequency: Array) -> OfLines:
     Where no record has a quiet part, or a channel reads nothing in it, its `noise_rms` is spread evenly up to half the sampling
     rate; where that is not stated either, the density is 0.
     """
-
-    def at(one: Density, lines: Array) -> Array:
-        return np.stack([np.interp(lines, one.frequency, column) for column in one.values.T], axis=1)
-
-    def broadband(one: Density) -> Array:
-        return np.asarray(np.sqrt(one.rate * one.values.mean(axis=0)))
-
-    found, runs, channels = density(campaign), campaign.runs, campaign.table.channels
+    (found, every), runs, channels = densities(campaign), campaign.runs, campaign.table.channels
     whole, floors = np.zeros((len(runs), len(frequency), len(channels))), np.zeros((len(runs), len(channels)))
     if found is not None:
-        whole += at(found, frequency)
-        floors += broadband(found)
-        for k, run in enumerate(runs):
-            if (own := density(campaign, run.name)) is not None:
-                # By most of its lines: what rings is louder at a few
-                louder = (np.median(own.values - STILL * at(found, own.frequency), axis=0) > 0) | (own.rate != found.rate)
-                whole[k, :, louder] = at(own, frequency)[:, louder].T
-                floors[k, louder] = broadband(own)[louder]
+        whole += found.at(frequency)
+        floors += found.floors
+        for k, own in ((k, every[run.name]) for k, run in enumerate(runs) if run.name in every):
+            # By most of its lines: what rings is louder at a few
+            louder = (np.median(own.values - STILL * found.at(own.frequency), axis=0) > 0) | (own.rate != found.rate)
+            whole[k, :, louder] = own.at(frequency)[:, louder].T
+            floors[k, louder] = own.floors[louder]
     stated = np.array([channel.noise_rms or 0.0 for channel in channels])
     rates = np.array([campaign.recordings[run.name].sampling_rate or 0.0 for run in runs])
     even = stated**2 / np.where(rates > 0, rates, np.inf)[:, None]  # (r, c)

@@ -279,7 +279,7 @@ def longer(campaign: Campaign, extra: np.ndarray | None = None, seconds: float =
 
 
 def test_white_noise_has_the_density_of_its_rms(campaign: Campaign) -> None:
-    found = noise.density(longer(campaign))
+    found, _ = noise.densities(longer(campaign))
     stated = np.array([channel.noise_rms for channel in campaign.table.channels])
     inside = (found.frequency > 2) & (found.frequency < 120)
     # some 60 segments and 236 lines: below 2 %
