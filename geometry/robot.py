@@ -264,9 +264,8 @@ class _Mjcf(_Numbers):
             compiler |= one.attrib
         if compiler.get("coordinate") == "global":
             problem = "places are in the axes of the world (coordinate), which MuJoCo has given up as well"
-            raise BadInput(
-                source=str(path), field="compiler", problem=problem, remedy="Save it by MuJoCo 2.3.3, which turns them"
-            )
+            remedy = "Save it by MuJoCo 2.3.3, which turns them"
+            raise BadInput(source=str(path), field="compiler", problem=problem, remedy=remedy)
         scaled = self.of(Element("compiler", compiler), "settotalmass", [-1.0])[0] > 0, compiler.get("balanceinertia") == "true"
         self.rescaled = [key for key, on in zip(("settotalmass", "balanceinertia"), scaled, strict=True) if on]
         self.degrees = compiler.get("angle", "degree") != "radian"

@@ -377,9 +377,8 @@ class Deck:
         from scipy.sparse import coo_array
         from scipy.sparse.csgraph import connected_components
 
-        nodes = np.flatnonzero(
-            np.isin(self.mesh.node_tags, numbers_of(self.mesh, [one for one in held if one not in self.links]))
-        )
+        loose = numbers_of(self.mesh, [one for one in held if one not in self.links])
+        nodes = np.flatnonzero(np.isin(self.mesh.node_tags, loose))
         pairs, count = [np.zeros((0, 2), dtype=np.intp)], len(self.mesh.node_tags)
         for cells in self.mesh.cells.values() if len(nodes) else ():
             element, which = np.nonzero(np.isin(cells.nodes, nodes))
@@ -658,9 +657,8 @@ def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]
     for line in deck_lines(path):
         text = line.text.strip()
         if not text.startswith("*"):
-            heavy = keyword in ("NODE", "NSET", "ELSET") or (
-                keyword == "ELEMENT" and options.get("TYPE", "").upper() not in files.LOOSE
-            )
+            meshed = keyword == "ELEMENT" and options.get("TYPE", "").upper() not in files.LOOSE
+            heavy = meshed or keyword in ("NODE", "NSET", "ELSET")
             rows += [] if heavy else [[one.strip() for one in text.split(",")]]
             continue
         if keyword:
@@ -750,10 +748,12 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
                 deck.lose(name, "it has no reference node")
         elif keyword == "BOUNDARY":
             deck.boundary(rows)
-        elif keyword == "TRANSFORM" and o.get("TYPE") == "S":
+        elif keyword == "TRANSFORM" and (kind := o.get("TYPE", "R")) == "S":
             deck.lose(name, "its axes are spherical")
-        elif keyword == "TRANSFORM":
-            turned = System.of(o.get("TYPE", "R"), *np.array([real(text) for text in [*first, *6 * [""]][:6]]).reshape(2, 3))
+        elif keyword == "TRANSFORM":  # by points of its first axis and of the plane of the first two, or of a cylinder's axis
+            a, b = np.array([real(text) for text in [*first, *6 * [""]][:6]]).reshape(2, 3)
+            z, to = (b - a, np.eye(3)[np.argmin(np.abs(b - a))]) if kind == "C" else (np.cross(a, b), a)
+            turned = System.spanned(kind, a, z, to)
             deck.axes |= {node: turned.directions(point[node]) for node in numbers_of(mesh, [options["NSET"]]) if node in point}
         elif keyword in ("STEP", "END STEP"):
             open_step = keyword == "STEP"

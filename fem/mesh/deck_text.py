@@ -346,18 +346,18 @@ class System:
     axes: Array
 
     @classmethod
-    def of(cls, kind: str, a: Array, b: Array) -> "System":
-        """Of *TRANSFORM: `a` (3,) is on its first axis and `b` in the plane of the first two, or both are on the third (C).
+    def spanned(cls, kind: str, origin: Array, z: Array, to: Array) -> "System":
+        """With its third axis along `z` (3,), and `to` (3,) in the plane of that and the first.
 
         Raises
         ------
-        ValueError : another kind, or two points that span nothing.
+        ValueError : both are along one line, or it is of another kind.
         """
-        z, x = (b - a, np.cross(b - a, np.eye(3)[np.argmin(np.abs(b - a))])) if kind == "C" else (np.cross(a, b), a)
-        if kind not in ("R", "C") or not np.linalg.norm(z) > 0:
-            raise ValueError(f"*TRANSFORM of TYPE={kind} by {a.tolist()} and {b.tolist()}")
-        x, z = x / np.linalg.norm(x), z / np.linalg.norm(z)
-        return cls(kind=kind, origin=a, axes=np.array([x, np.cross(z, x), z]))
+        y = np.cross(z, to)
+        if kind not in ("R", "C", "S") or not np.linalg.norm(y) > FLAT * np.linalg.norm(z) * np.linalg.norm(to):
+            raise ValueError(f"a system {kind} by {z.tolist()} and {to.tolist()}")
+        z, y = z / np.linalg.norm(z), y / np.linalg.norm(y)
+        return cls(kind=kind, origin=origin, axes=np.array([np.cross(y, z), y, z]))
 
     def point(self, at: Array) -> Array:
         """Basic coordinates (3,) of what stands `at` (3,) in it."""
@@ -475,12 +475,10 @@ class Coordinates:
             if lost:
                 raise self._refused(number, f"stands on grid point {lost[0]}, which is not there", "Correct it")
             a, b, c = (self.place(int(node), (*within, number)) for node in points)
-        z, to = b - a, c - a
-        y = np.cross(z, to)
-        if not np.linalg.norm(y) > FLAT * np.linalg.norm(z) * np.linalg.norm(to):
-            raise self._refused(number, "has three points on one line", "Correct them")
-        z, y = z / np.linalg.norm(z), y / np.linalg.norm(y)
-        self.found[number] = System(kind=kind, origin=a, axes=np.array([np.cross(y, z), y, z]))
+        try:
+            self.found[number] = System.spanned(kind, a, b - a, c - a)
+        except ValueError:
+            raise self._refused(number, "has three points on one line", "Correct them") from None
         return self.found[number]
 
     def _refused(self, number: str, problem: str, remedy: str) -> BadInput:
