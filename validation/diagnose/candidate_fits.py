@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf, log, sqrt
 
 import numpy as np
@@ -95,7 +96,7 @@ def goodness_of_fit(fit: Fit, problem: Problem) -> GoodnessOfFit:
         seen = observed(one.measured, lines := problem.lines_of(one))
         noise = np.square(seen.noise)
         s = noise / np.maximum(noise + np.square(FLOOR * seen.floor), tiny)
-        count = freedom(seen, one.at(fit.by_name, lines, derivatives=False), FLOOR)
+        count = freedom(seen, partial(one.at, fit.by_name, lines, derivatives=False), FLOOR)
         shares.append((s * (1 + s * one.measured.noise_scatter**2) + one.measured.discrepancy * (1 - s)).ravel())
         counts.append(count.ravel())
         sums.append(float(np.sum(count * s)))

@@ -9,9 +9,9 @@ shared by real and imaginary part. "The likelihood" of the catalogue of effects.
 """
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from types import MappingProxyType
 
 import numpy as np
@@ -184,8 +184,9 @@ def residual(seen: ObservedLines, predicted: Predicted, floor: float) -> Complex
     return np.stack([_residual(A, seen, weight, run)[0] for run, A in enumerate(rows)])
 
 
-def freedom(seen: ObservedLines, predicted: Predicted, floor: float) -> Array:
-    """(r, m, c) By how much chi² grows with the variance of each channel; their sum are its degrees of freedom.
+def freedom(seen: ObservedLines, predict: Callable[[], Predicted], floor: float) -> Array:
+    """(r, m, c) By how much chi² grows with the variance of each channel; their sum are its degrees of freedom. Known inputs take
+    nothing, and what is predicted is not asked for.
 
     Latent inputs take what they can: with the projection P = 1 - Q Q^H that eliminates them, the residuals of the channels R that
     were read have the mean square sum_c v_c sum_(a in R) |P_ac|², where v_c is the variance of channel c over what is allowed
@@ -194,7 +195,7 @@ def freedom(seen: ObservedLines, predicted: Predicted, floor: float) -> Array:
     """
     if seen.inputs is not None:
         return np.broadcast_to(np.float64(seen.parts), seen.values.shape)
-    read = np.broadcast_to(~seen.unmeasured, seen.values.shape[2:])
+    predicted, read = predict(), np.broadcast_to(~seen.unmeasured, seen.values.shape[2:])
     Q, _ = np.linalg.qr(seen.weight(floor, predicted.noise)[..., None] * predicted.rows)
     unread = Q[..., ~read, :] @ Q.conj().swapaxes(-1, -2)  # rows of -P; as P² = P, the others need not be made
     left = 1 - np.sum(np.square(np.abs(Q)), axis=-1) - np.sum(np.square(np.abs(unread)), axis=-2)
@@ -353,7 +354,7 @@ class Cost:
         offsets, found = self.offsets(x), float(len(self.problem.facts))
         for one, lines, seen in self.observed:
             if seen.unmeasured.any():
-                found += float(np.sum(freedom(seen, one.at(offsets, lines, derivatives=False), self.floor)))
+                found += float(np.sum(freedom(seen, partial(one.at, offsets, lines, derivatives=False), self.floor)))
                 continue
             latent = one.at(offsets, lines[:1], derivatives=False).rows.shape[-1] if seen.inputs is None else 0
             found += seen.parts * float(np.prod(seen.values.shape[:2])) * (seen.values.shape[2] - latent)

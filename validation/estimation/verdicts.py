@@ -8,6 +8,7 @@ data really tell.
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -230,7 +231,7 @@ def due_misfit(of: Fit, problem: Problem, *, as_read: bool = True) -> float | No
     for prediction, lines, seen in cost.observed:
         read = prediction.measured.read[:, lines] if as_read and prediction.measured.read is not None else seen.noise
         variance = np.square(seen.noise) + np.square(FLOOR * seen.floor)
-        counts = freedom(seen, prediction.at(of.by_name, lines, derivatives=False), FLOOR)
+        counts = freedom(seen, partial(prediction.at, of.by_name, lines, derivatives=False), FLOOR)
         for k, run in enumerate(seen.runs):
             own = C @ by_run[prediction.measured.name, run].matrix
             if not (count := float(np.sum(counts[k]))):
