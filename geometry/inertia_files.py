@@ -8,6 +8,7 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
+from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.inertia import Inertia, require_physical
@@ -151,92 +152,8 @@ def _fields(number: int, label: str, body: Inertia) -> dict[str, str]:
     }
 
 
-_SAID = "SI; the tensor is about the centre of mass, in the axes of the body's frame; products are matrix entries"
-
 FORMATS: Mapping[str, InertiaFormat] = {
-    "urdf": InertiaFormat(
-        program="ROS, Gazebo, Pinocchio, Drake",
-        endings=(".urdf",),
-        head=f'<?xml version="1.0"?>\n<!-- {_SAID} -->\n<robot name={{quoted}}>\n  <link name="world"/>\n',
-        body="""  <link name={quoted}>
-    <inertial>
-      <origin xyz="{cog}" rpy="0 0 0"/>
-      <mass value="{mass}"/>
-      <inertia ixx="{ixx}" iyy="{iyy}" izz="{izz}" ixy="{ixy}" ixz="{ixz}" iyz="{iyz}"/>
-    </inertial>
-  </link>
-  <joint name="joint {number}" type="floating">
-    <parent link="world"/>
-    <child link={quoted}/>
-  </joint>
-""",
-        tail="</robot>\n",
-    ),
-    "mjcf": InertiaFormat(
-        program="MuJoCo",
-        endings=(".xml", ".mjcf"),
-        head=f'<!-- {_SAID} -->\n<mujoco model={{quoted}}>\n  <compiler angle="radian"/>\n  <worldbody>\n',
-        body="""    <body name={quoted}>
-      <freejoint/>
-      <inertial pos="{cog}" quat="{quat}" mass="{mass}" diaginertia="{principal}"/>
-    </body>
-""",
-        tail="  </worldbody>\n</mujoco>\n",
-    ),
-    "sdf": InertiaFormat(
-        program="Gazebo",
-        endings=(".sdf",),
-        head=f'<?xml version="1.0"?>\n<!-- {_SAID} -->\n<sdf version="1.9">\n  <model name={{quoted}}>\n',
-        body="""    <link name={quoted}>
-      <inertial>
-        <pose>{cog} 0 0 0</pose>
-        <mass>{mass}</mass>
-        <inertia>
-          <ixx>{ixx}</ixx><iyy>{iyy}</iyy><izz>{izz}</izz><ixy>{ixy}</ixy><ixz>{ixz}</ixz><iyz>{iyz}</iyz>
-        </inertia>
-      </inertial>
-    </link>
-""",
-        tail="  </model>\n</sdf>\n",
-    ),
-    "nastran": InertiaFormat(
-        program="Nastran",
-        endings=(".bdf", ".dat", ".nas"),
-        head="$ {title}: kg and m; about the centre of mass; I21, I31 and I32 are positive integrals, as CONM2 has them\n",
-        body="$ {title}: the grid is at the origin of its frame\nGRID,{grid},,0.,0.,0.\n{conm2}\n",
-    ),
-    "opensees": InertiaFormat(
-        program="OpenSees",
-        endings=(".tcl",),
-        head="# {title}: kg and m; a node has no products of inertia, so each body is six equal masses about its centre\n"
-        "# (model with -ndf 6, constraints Transformation)\n",
-        body="# {title}: node {node} is its centre of mass\nnode {node} {cog}\n{masses}\n",
-    ),
-    "adams": InertiaFormat(
-        program="Adams",
-        endings=(".cmd",),
-        head="! {title}: kg, m and rad (3-1-3, body-fixed); moments are principal, about markers along the principal axes\n"
-        "defaults units length=meter mass=kg angle=radians\nmodel create model_name=.massline\n",
-        body="""part create rigid_body name_and_position part_name=.massline.{word}
-marker create marker_name=.massline.{word}.cm location={place} orientation=0, 0, 0
-marker create marker_name=.massline.{word}.im location={place} orientation={turns}
-part create rigid_body mass_properties part_name=.massline.{word} mass={mass} center_of_mass_marker=.massline.{word}.cm &
-  inertia_marker=.massline.{word}.im {named} ixy=0 iyz=0 izx=0
-""",
-    ),
-    "toml": InertiaFormat(
-        program="massline validate",
-        endings=(".toml",),
-        head=f"# {{title}}: {_SAID}\nformat = 1\n\n",
-        body="""[inertia]
-about = "cog"
-mass = "{mass} kg"
-cog = [{cogs}]
-moments = [{moments}]
-products = [{products}]
-products_sign = "matrix-entry"
-""",
-        most=1,
-    ),
+    form: InertiaFormat(**{**one, "endings": tuple(one["endings"])})
+    for form, one in toml_file.shipped("geometry", "inertia_formats.toml").items()
 }
 """What can be written, by the word of ``--format``."""

@@ -13,20 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from geometry import mesh as meshes
 from geometry.frames import Array, frozen
 from geometry.inertia import Inertia
-from geometry.mesh import (
-    Integers,
-    TriangleMesh,
-    edges,
-    joined,
-    merged,
-    oriented,
-    piece_of_face,
-    pieces,
-    selected,
-    winding_numbers,
-)
 from geometry.toml_file import METRE, LengthUnit
 
 WELD = 1e-6
@@ -50,7 +39,7 @@ POINTS = 60_000
 class MendedMesh:
     """A mesh after mending, and every step in words."""
 
-    mesh: TriangleMesh
+    mesh: meshes.TriangleMesh
     steps: tuple[str, ...]
 
 
@@ -68,28 +57,28 @@ class EstimatedBody:
     error: Array
 
 
-def mended(mesh: TriangleMesh, unit: LengthUnit = METRE) -> MendedMesh:
+def mended(mesh: meshes.TriangleMesh, unit: LengthUnit = METRE) -> MendedMesh:
     """`mesh` with what can be mended safely mended; volumes in the steps are in cubes of `unit`."""
     steps: list[str] = []
     diagonal = float(np.linalg.norm(np.ptp(mesh.bounds, axis=0)))
 
-    def said(words: str, now: TriangleMesh) -> TriangleMesh:
+    def said(words: str, now: meshes.TriangleMesh) -> meshes.TriangleMesh:
         moved = abs(now.volume - mesh.volume)
         share = f", {moved / abs(now.volume):.2g} of it" if moved and now.volume else ""
         steps.append(f"{words}: {moved / unit.metres**3:.3g} {unit.name}³ moved{share}")
         return now
 
-    before = merged(mesh)
+    before = meshes.merged(mesh)
     grid = np.round(before.vertices / (WELD * diagonal)).astype(np.int64)
     _, first, index = np.unique(grid, axis=0, return_index=True, return_inverse=True)
     if len(first) < len(before.vertices):
-        welded = TriangleMesh(vertices=before.vertices[first], faces=index.reshape(-1)[before.faces])
+        welded = meshes.TriangleMesh(vertices=before.vertices[first], faces=index.reshape(-1)[before.faces])
         mesh = said(f"{len(before.vertices) - len(first)} vertices made one with a neighbour", welded)
     else:
         mesh = before
     a, b, c = mesh.faces.T
     if (collapsed := (a == b) | (b == c) | (c == a)).any():
-        mesh = said(f"{int(collapsed.sum())} collapsed faces removed", selected(mesh, ~collapsed))
+        mesh = said(f"{int(collapsed.sum())} collapsed faces removed", meshes.selected(mesh, ~collapsed))
     _, first, index, count = np.unique(
         np.sort(mesh.faces, axis=1), axis=0, return_index=True, return_inverse=True, return_counts=True
     )
@@ -103,25 +92,25 @@ def mended(mesh: TriangleMesh, unit: LengthUnit = METRE) -> MendedMesh:
         for group in np.flatnonzero(net):
             members = np.flatnonzero(index.reshape(-1) == group) if count[group] > 1 else first[group : group + 1]
             keep[members[along[members] == np.sign(net[group])][0]] = True
-        mesh = said(f"{int((~keep).sum())} doubled faces removed", selected(mesh, keep))
-    turned = oriented(mesh)
+        mesh = said(f"{int((~keep).sum())} doubled faces removed", meshes.selected(mesh, keep))
+    turned = meshes.oriented(mesh)
     # a cyclic order of three numbers has the sign of the product of its differences
     senses = [np.sign(one.faces - np.roll(one.faces, 1, axis=1)).prod(axis=1) for one in (turned, mesh)]
     if flipped := int((senses[0] != senses[1]).sum()):
         mesh = said(f"{flipped} faces turned to agree with their neighbours", turned)
     caps = _caps(mesh, SMALL * diagonal)
     if caps:
-        closed = merged(joined(mesh, *caps))
+        closed = meshes.merged(meshes.joined(mesh, *caps))
         mesh = said(f"{len(caps)} small hole{'s' * (len(caps) > 1)} closed", closed)
-    skins = list(pieces(mesh)) if len(mesh.faces) else []
-    if skins and all(one.volume < 0 for one in skins) and not (edges(mesh).uses == 1).any():
-        mesh = said("all normals turned outwards", TriangleMesh(vertices=mesh.vertices, faces=mesh.faces[:, ::-1]))
+    skins = list(meshes.pieces(mesh)) if len(mesh.faces) else []
+    if skins and all(one.volume < 0 for one in skins) and not (meshes.edges(mesh).uses == 1).any():
+        mesh = said("all normals turned outwards", meshes.TriangleMesh(vertices=mesh.vertices, faces=mesh.faces[:, ::-1]))
     return MendedMesh(mesh=mesh, steps=tuple(steps))
 
 
-def _caps(mesh: TriangleMesh, largest: float) -> list[TriangleMesh]:
+def _caps(mesh: meshes.TriangleMesh, largest: float) -> list[meshes.TriangleMesh]:
     """A fan of triangles for every hole of `mesh` that is a simple loop and no wider than `largest` [m]."""
-    found = edges(mesh)
+    found = meshes.edges(mesh)
     directed = mesh.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     open_edges = directed[found.uses[found.of_face.reshape(-1)] == 1]
     following = dict(open_edges.tolist())
@@ -129,7 +118,7 @@ def _caps(mesh: TriangleMesh, largest: float) -> list[TriangleMesh]:
         # loops that touch in a point: which closes which cannot be told
         crowded = [start for start, number in zip(*np.unique(open_edges[:, 0], return_counts=True), strict=True) if number > 1]
         following = {start: end for start, end in following.items() if start not in crowded and end not in crowded}
-    label, piece = piece_of_face(mesh), np.zeros(len(mesh.vertices), dtype=np.int64)
+    label, piece = meshes.piece_of_face(mesh), np.zeros(len(mesh.vertices), dtype=np.int64)
     piece[mesh.faces] = label[:, None]
     every = mesh.vertices[mesh.faces]
     extent = np.full((int(label.max(initial=-1)) + 1, 2, 3), np.inf)
@@ -149,15 +138,15 @@ def _caps(mesh: TriangleMesh, largest: float) -> list[TriangleMesh]:
         if wide > largest or 2 * wide > around:  # the rim of a lone triangle or of a scrap is no hole
             continue
         if len(loop) == 3:
-            caps.append(TriangleMesh(vertices=rim, faces=np.array([[2, 1, 0]])))
+            caps.append(meshes.TriangleMesh(vertices=rim, faces=np.array([[2, 1, 0]])))
             continue
         ring = np.arange(len(loop))
-        fan: Integers = np.column_stack([np.roll(ring, -1), ring, np.full(len(loop), len(loop))])
-        caps.append(TriangleMesh(vertices=np.vstack([rim, rim.mean(axis=0)]), faces=fan))
+        fan: meshes.Integers = np.column_stack([np.roll(ring, -1), ring, np.full(len(loop), len(loop))])
+        caps.append(meshes.TriangleMesh(vertices=np.vstack([rim, rim.mean(axis=0)]), faces=fan))
     return caps
 
 
-def estimated(mesh: TriangleMesh, random: "np.random.Generator | None" = None) -> EstimatedBody:
+def estimated(mesh: meshes.TriangleMesh, random: "np.random.Generator | None" = None) -> EstimatedBody:
     """What `mesh` encloses at unit density, closed or not; `random` draws the samples, by default the same ones every time.
 
     Raises
@@ -170,7 +159,7 @@ def estimated(mesh: TriangleMesh, random: "np.random.Generator | None" = None) -
     size = high - low
     draw = qmc.Sobol(3, rng=random or np.random.default_rng(0)).random(1 << int(np.log2(POINTS)))
     points = low + size * draw
-    winding = winding_numbers(mesh, points)
+    winding = meshes.winding_numbers(mesh, points)
     cell = float(np.prod(size)) / len(points)
     middle = 0.5 * (low + high)
     x, y, z = (points - middle).T

@@ -7,24 +7,8 @@ from typing import Any
 import numpy as np
 
 from geometry.errors import BadInput, CheckFailed
-from validation.app import scene3d, workers
+from validation.app import curves, scene3d, workers
 from validation.app import state as app_state
-from validation.app.curves import (
-    CHOICES,
-    CURVES,
-    FUNCTIONS,
-    MAC,
-    MASS,
-    SWITCHES,
-    TABLE,
-    WORST_OF_ALL,
-    as_state,
-    correlation_drawn,
-    drawn,
-    made_ready,
-    on_sliders,
-    pair_of,
-)
 from validation.app.scene3d import MapCell, MapEntry
 from validation.app.state import WindowState, keep, kept
 from validation.compare.compare import run as run_in_words
@@ -46,23 +30,23 @@ from validation.report.scenes.turntable import Turn, Turntable
 
 async def switch(window: WindowState, name: str, wanted: str) -> None:
     """Show curves otherwise; every window that is opened later begins so."""
-    found = next((one for one in CHOICES.get(name, ()) if str(one) == wanted), None)
+    found = next((one for one in curves.CHOICES.get(name, ()) if str(one) == wanted), None)
     if found is not None:
         window.state.update({name: found})
-        app_state.keep_switches({one: window.state[one] for one in SWITCHES})
-        await drawn(window)
+        app_state.keep_switches({one: window.state[one] for one in curves.SWITCHES})
+        await curves.drawn(window)
 
 
 async def function(window: WindowState, drive: int, response: int) -> None:
     """Show another response function."""
     window.state.drive, window.state.response = int(drive), int(response)
-    await drawn(window)
+    await curves.drawn(window)
 
 
 async def showing(window: WindowState, name: str) -> None:
     """Curves, or modes beside modes."""
-    window.state.showing = MAC if name == MAC else CURVES
-    await drawn(window)
+    window.state.showing = curves.MAC if name == curves.MAC else curves.CURVES
+    await curves.drawn(window)
     await structure_shown(window)
 
 
@@ -70,7 +54,7 @@ async def matched(window: WindowState, picked: dict[str, Any]) -> None:
     """A click on the MAC: the shapes of that pair, side by side."""
     if len(picked["custom"]) == 4:
         window.state.pair = [int(picked["custom"][2]), int(picked["custom"][3])]
-        await correlation_drawn(window)
+        await curves.correlation_drawn(window)
         await structure_shown(window)
 
 
@@ -156,7 +140,7 @@ def _untitled(figure: Figure, above: int) -> dict[str, Any]:
     margin = {"t": above + 40, "r": functions.ROOM + 6}
     figure.update(title={"text": ""}, height=LOW, margin=margin, legend=legend, meta={"above": above})
     figure.update(modebar={"orientation": "v"})
-    return as_state(figure)
+    return curves.as_state(figure)
 
 
 # The structure in three dimensions: with its sensors, or swinging in the mode nearest the frequency that was clicked.
@@ -182,7 +166,7 @@ async def structure_shown(window: WindowState) -> None:
         return
     known = () if compared is None or campaign not in compared.campaigns else compared.modes_of(campaign)
     modes = [{"title": f"{one.frequency:.2f} Hz, {one.name}", "value": k} for k, one in enumerate(known)]
-    article = "" if compared is None or state.kind == MASS else compared.map(campaign).configuration
+    article = "" if compared is None or state.kind == curves.MASS else compared.map(campaign).configuration
     scored = await window.away(window.session.evidence, article) if article else {}
     coloured = [
         {"title": f"Where {motion.WORDS[kind]} would explain most", "value": FIRST_SCORE - k} for k, kind in enumerate(scored)
@@ -194,10 +178,12 @@ async def structure_shown(window: WindowState) -> None:
     state.view_far = _far(window)
     state.flush()
     try:
-        if compared is not None and state.kind != MASS:
+        if compared is not None and state.kind != curves.MASS:
             number = None if state.mode < 0 else state.mode
             here = None if state.node is None else np.array(state.node["point"])
-            turned = await window.away(scene3d.of_test, window.session, compared, campaign, number, pair_of(window), here, kind)
+            turned = await window.away(
+                scene3d.of_test, window.session, compared, campaign, number, curves.pair_of(window), here, kind
+            )
             table_of, label, note = turned.table, turned.label, turned.note
         elif state.mode == AT_REST or compared is None:
             scene = await window.away(scene3d.scene, window.session, campaign)
@@ -246,7 +232,7 @@ async def try_here(window: WindowState, effect: str) -> None:
         return
     window.positions = tuple(dict.fromkeys((*window.positions, state.node["place"])))[-TRIED:]
     window.wanted = effect
-    await made_ready(window)
+    await curves.made_ready(window)
 
 
 async def mode(window: WindowState, number: int) -> None:
@@ -336,30 +322,30 @@ async def comparing_shown(window: WindowState) -> None:
         state.campaign = compared.campaigns[0]
     _of_campaign(window)
     if fresh and worst:
-        if state.kind != MASS:
+        if state.kind != curves.MASS:
             await spot(window, 0)
             return
         _go(window, _entry_of_spot(window, 0))  # the structure stays at rest until somebody clicks
-    await drawn(window)
+    await curves.drawn(window)
 
 
 async def redrawn(window: WindowState) -> None:
     """Draw every figure anew, in other colours."""
-    await drawn(window)
+    await curves.drawn(window)
     await rungs_shown(window)
 
 
 async def entry(window: WindowState, load: int, motion: int) -> None:
     """Show another entry, where it was looked at."""
     window.state.load, window.state.motion = int(load), int(motion)
-    await drawn(window)
+    await curves.drawn(window)
 
 
 async def marked(window: WindowState, frequency: float) -> None:
     """A click on the overlay: that frequency, and the mode nearest it."""
     window.state.marked = float(frequency)
     await nearest(window)
-    await drawn(window)
+    await curves.drawn(window)
 
 
 async def cell(window: WindowState, picked: dict[str, Any]) -> None:
@@ -367,7 +353,7 @@ async def cell(window: WindowState, picked: dict[str, Any]) -> None:
     if window.compared is None or len(picked["custom"]) != 2:  # the triangle of a mode
         return
     of, row, frequency = window.compared.map(window.state.campaign), str(picked["y"]), float(picked["custom"][1])
-    if window.state.kind == TABLE:
+    if window.state.kind == curves.TABLE:
         await _to_mode(window, int(frequency) - 1)
         return
     if row in maps.PAIRS and window.state.map_kind == "pairs":
@@ -378,22 +364,22 @@ async def cell(window: WindowState, picked: dict[str, Any]) -> None:
         if row not in labels:
             return
         number = labels.index(row)
-        if window.state.run != WORST_OF_ALL:
+        if window.state.run != curves.WORST_OF_ALL:
             run = window.state.run
         else:
             line = int(np.argmin(np.abs(of.frequency - frequency)))
             known = np.isfinite(of.expected[:, line, number]) & np.isfinite(of.sigma[:, line, number])
             run = int(np.argmax(np.where(known, of.sigma[:, line, number], -np.inf)))
-        if window.state.kind == FUNCTIONS:
+        if window.state.kind == curves.FUNCTIONS:
             window.state.drive, window.state.response, window.state.marked = run, number, frequency
-            window.state.showing = CURVES
+            window.state.showing = curves.CURVES
             await nearest(window)
-            await drawn(window)
+            await curves.drawn(window)
             return
         found = MapCell(campaign=of.data_set, run=of.runs[run], row=of.rows[number], frequency=frequency)
         _go(window, scene3d.entry_of(window.compared, found))
     await nearest(window)
-    await drawn(window)
+    await curves.drawn(window)
 
 
 async def _to_mode(window: WindowState, row: int) -> None:
@@ -401,8 +387,8 @@ async def _to_mode(window: WindowState, row: int) -> None:
     table = None if window.compared is None else window.compared.table(window.state.campaign)
     if table is None or not 0 <= row < len(table.pairs):
         return
-    window.state.showing, window.state.pair = MAC, [row, table.modes.index(table.pairs[row].model)]
-    await drawn(window)
+    window.state.showing, window.state.pair = curves.MAC, [row, table.modes.index(table.pairs[row].model)]
+    await curves.drawn(window)
     await structure_shown(window)
 
 
@@ -415,37 +401,37 @@ async def spot(window: WindowState, number: int) -> None:
             window.state.campaign = of.data_set
             _of_campaign(window)
         run = of.runs.index(one["run"])
-        if window.state.kind == TABLE:
+        if window.state.kind == curves.TABLE:
             await _to_mode(window, run)
             return
         window.state.drive, window.state.response = run, of.rows.index(one["channel"])
-        window.state.marked, window.state.showing = float(one["frequency_hz"]), CURVES
+        window.state.marked, window.state.showing = float(one["frequency_hz"]), curves.CURVES
         await nearest(window)
-        await drawn(window)
+        await curves.drawn(window)
         return
     _go(window, _entry_of_spot(window, int(number)))
     await nearest(window)
-    await drawn(window)
+    await curves.drawn(window)
 
 
 async def campaign(window: WindowState, name: str) -> None:
     """Show another campaign."""
     window.state.campaign, window.state.node = name, None
     _of_campaign(window)
-    await drawn(window)
+    await curves.drawn(window)
     await structure_shown(window)
 
 
 async def show_map(window: WindowState, kind: str) -> None:
     """Channels and loads, or pairs of axes."""
     window.state.map_kind = kind
-    await drawn(window)
+    await curves.drawn(window)
 
 
 async def show_run(window: WindowState, number: int) -> None:
     """One run on the map, or the worst of all."""
     window.state.run = int(number)
-    await drawn(window)
+    await curves.drawn(window)
 
 
 def _of_campaign(window: WindowState) -> None:
@@ -453,20 +439,20 @@ def _of_campaign(window: WindowState) -> None:
     state = window.state
     of = window.compared.map(state.campaign)  # type: ignore[union-attr]
     table = window.compared.table(state.campaign)  # type: ignore[union-attr]
-    state.kind = FUNCTIONS if of.functions is not None else TABLE if not of.has_lines else MASS
+    state.kind = curves.FUNCTIONS if of.functions is not None else curves.TABLE if not of.has_lines else curves.MASS
     state.correlated = table is not None and bool(table.mac.size)
-    state.showing = MAC if state.kind == TABLE else CURVES if not state.correlated else state.showing
-    state.drives, state.responses = ([*of.runs], [*of.rows]) if state.kind == FUNCTIONS else ([], [])
+    state.showing = curves.MAC if state.kind == curves.TABLE else curves.CURVES if not state.correlated else state.showing
+    state.drives, state.responses = ([*of.runs], [*of.rows]) if state.kind == curves.FUNCTIONS else ([], [])
     state.drive, state.response = (
         at if at < max(count, 1) else 0 for at, count in ((state.drive, len(of.runs)), (state.response, len(of.rows)))
     )
-    if state.kind != MASS:
+    if state.kind != curves.MASS:
         state.map_kind = "channels"
-    state.runs = [{"title": "the worst of all runs", "value": WORST_OF_ALL}] + [
+    state.runs = [{"title": "the worst of all runs", "value": curves.WORST_OF_ALL}] + [
         {"title": run_in_words(name, axis), "value": k} for k, (name, axis) in enumerate(zip(of.runs, of.axes, strict=True))
     ]
-    if state.run not in range(WORST_OF_ALL, len(of.runs)):
-        state.run = WORST_OF_ALL
+    if state.run not in range(curves.WORST_OF_ALL, len(of.runs)):
+        state.run = curves.WORST_OF_ALL
     peaks = np.full((6, 6), np.nan) if of.pairs is None else np.nanmax(of.pairs.sigma, axis=0)
     state.peaks = [
         ["–" if np.isnan(peak) else f"{peak:.1f}" if peak < 9.95 else f"{min(peak, 9999):.0f}" for peak in row] for row in peaks
@@ -596,7 +582,7 @@ async def stands(window: WindowState) -> None:
     window.state.flush()
     window.begin(structure_shown(window))
     if window.compared is not None:
-        window.begin(made_ready(window))
+        window.begin(curves.made_ready(window))
 
 
 # Up and down the ladder, from the page.
@@ -604,7 +590,7 @@ async def stands(window: WindowState) -> None:
 
 async def add(window: WindowState) -> None:
     """Add the chosen effect; its fit begins at the size of the sliders."""
-    effect = on_sliders(window)
+    effect = curves.on_sliders(window)
     if effect is None:
         return
     app_state.start(window, workers.ADD, _added, stands, effect=effect.written(window.sizes))

@@ -204,82 +204,47 @@ Load the page again; if nothing answers, start <code>massline app</code> again.<
 """In place of the page when its server is gone."""
 
 
+BLANK = "title failure model_path data_paths hold_out band campaign pair_words curve view view_label view_note view_far big step"
+NOT_YET = "dark opening unsaved compared correlated view_moves undoable"
+NOTHING = "trame__favicon job ready marked pair live node verdict effect fig_ladder fig_inertia"
+NO_LIST = "models errors worst remarks campaigns drives responses ranking effects rungs"
+NO_TABLE = "before fig_overlay fig_mac fig_shape fig_map"
+"""What an empty page has none of: words, switches that are on, things, lists and tables."""
+
+
 def first_state() -> dict[str, Any]:
     """What an empty page shows; every name that the template asks for is here."""
     return {
+        **dict.fromkeys(BLANK.split(), ""),
+        **dict.fromkeys(NOT_YET.split(), False),
+        **dict.fromkeys(NOTHING.split(), None),
+        **{name: [] for name in NO_LIST.split()},
+        **{name: {} for name in NO_TABLE.split()},
         "trame__title": "massline",
-        "trame__favicon": None,
         "screen": "open",
-        "title": "",
         "scheme": "system",
-        "dark": False,
-        "job": None,
-        "opening": False,
-        "failure": "",
-        "ready": None,
-        "unsaved": False,
         "examples": [{"name": one.name, "title": one.title, "words": one.words} for one in EXAMPLES],
-        "models": [],
-        "model_path": "",
-        "data_paths": "",
-        "hold_out": "",
-        "band": "",
         "faults": {"model": [], "data": [], "options": []},
-        "compared": False,
-        "errors": [],
-        "before": {},
-        "worst": [],
-        "remarks": [],
-        "campaigns": [],
-        "campaign": "",
         "signs": list(SIGNS),
         "entries": [[f"{entry(i, j)}: {LOADS[i]} by {MOTIONS[j]}, in {unit(i, j)}" for j in range(6)] for i in range(6)],
         "peaks": [["" for _ in range(6)] for _ in range(6)],
         "tints": [[0 for _ in range(6)] for _ in range(6)],
         "load": 2,
         "motion": 2,
-        "marked": None,
         "kind": curves.MASS,
         "showing": curves.CURVES,
-        "correlated": False,
-        "drives": [],
-        "responses": [],
         "drive": 0,
         "response": 0,
-        "pair": None,
-        "pair_words": "",
-        "curve": "",
         "choices": {name: [str(one) for one in every] for name, every in curves.CHOICES.items()},
         **{name: every[0] for name, every in curves.CHOICES.items()},
         **{name: one for name, one in state.kept_switches().items() if one in curves.CHOICES.get(name, ())},
-        "fig_overlay": {},
-        "fig_mac": {},
-        "fig_shape": {},
-        "live": None,
-        "fig_map": {},
         "map_kind": "channels",
         "runs": [{"title": "the worst of all runs", "value": curves.WORST_OF_ALL}],
         "run": -1,
         "modes": [{"title": "Structure and sensors", "value": panels.AT_REST}],
         "mode": panels.AT_REST,
-        "view": "",
-        "node": None,
-        "view_label": "",
-        "view_moves": False,
-        "view_note": "",
-        "view_far": "",
         "tab": "structure",
         "part": "fails",
-        "big": "",
-        "verdict": None,
-        "ranking": [],
-        "effects": [],
-        "effect": None,
-        "rungs": [],
-        "undoable": False,
-        "step": "",
-        "fig_ladder": None,
-        "fig_inertia": None,
     }
 
 
@@ -324,6 +289,12 @@ async def _diagnose(window: WindowState) -> None:
     state.start(window, workers.DIAGNOSE, panels.diagnosing_shown)
 
 
+_SAME: tuple[Handler, ...] = (
+    *(transfer.example, state.cancel, panels.entry, panels.function, panels.switch, panels.showing),
+    *(panels.matched, panels.marked, panels.cell, panels.spot, panels.campaign, panels.mode, panels.node),
+    *(curves.drag, curves.size, panels.add, panels.undo, transfer.report, transfer.figures),
+)
+
 HANDLERS: Mapping[str, Handler] = {
     "dark": _dark,
     "scheme": _scheme,
@@ -332,33 +303,15 @@ HANDLERS: Mapping[str, Handler] = {
     "enlarge": _enlarge,
     "seen": _seen,
     "another": _another,
-    "example": transfer.example,
+    **{one.__name__: one for one in _SAME},
     "open": transfer.paths,
-    "cancel": state.cancel,
     "compare": _compare,
-    "entry": panels.entry,
-    "function": panels.function,
-    "switch": panels.switch,
-    "showing": panels.showing,
-    "matched": panels.matched,
-    "marked": panels.marked,
-    "cell": panels.cell,
-    "spot": panels.spot,
-    "campaign": panels.campaign,
     "map": panels.show_map,
     "run": panels.show_run,
-    "mode": panels.mode,
-    "node": panels.node,
     "try": panels.try_here,
     "diagnose": _diagnose,
     "effect": curves.chosen,
-    "drag": curves.drag,
-    "size": curves.size,
-    "add": panels.add,
-    "undo": panels.undo,
     "rung": panels.go,
-    "report": transfer.report,
-    "figures": transfer.figures,
 }
 """By the name under which the template triggers it."""
 

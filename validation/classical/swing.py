@@ -179,12 +179,7 @@ RADIUS, HEIGHT, LINKS = 0.3, 0.1, 8
 """Where nothing else is said: circle of three ropes [m], feet above the CoG [m], links of a rope that has mass."""
 
 OPTIONS = {
-    "radius": "length",
-    "s1": "length",
-    "s2": "length",
-    "length": "length",
-    "height": "length",
-    "unequal": "length",
+    **dict.fromkeys(("radius", "s1", "s2", "length", "height", "unequal"), "length"),
     "amplitude": "angle",
     "damping": "ratio",
     "rope_mass": "mass",

@@ -105,9 +105,8 @@ COMMANDS = {
 MODULES = {
     "crosscheck": ("model", "compare", "diagnose", "correct", "add", "ladder", "report", "undo", "app", "effects", "league"),
     "reference": ("reference", "validate", "weigh", "cog", "pendulum"),
-    "predict": ("verify", "swing", "modes", "dynamic-mass", "excite", "simulate"),
+    "predict": ("verify", "swing", "modes", "dynamic-mass", "excite", "simulate", "doctor"),
     "identify": ("pretest", "check", "identify", "laboratory"),
-    "doctor": ("doctor",),
 }
 """The modules of `validation.cli` by the commands that they hold, each as the function ``NAME_command``."""
 

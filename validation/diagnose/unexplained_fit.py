@@ -152,26 +152,13 @@ OF_PAIRS = (
     FrequencyLaw(
         looks_like=DAMPING, text="falls with frequency and is out of phase, as of a damper", of=_power(-1j, -1), unit="N s/m"
     ),
-    FrequencyLaw(
-        looks_like=STIFFNESS,
-        text="grows with the square of frequency, as of something that gives",
-        of=_power(1, 2, AT),
-        unit="kg",
-        stated=False,
-    ),
-    FrequencyLaw(
-        looks_like=DAMPING,
-        text="is constant over frequency and out of phase, as of a loss",
-        of=_power(-1j, 0),
-        unit="kg",
-        stated=False,
-    ),
-    FrequencyLaw(
-        looks_like=DELAY,
-        text="grows with frequency and is out of phase, as of a delay",
-        of=_power(-1j, 1, AT),
-        unit="kg",
-        stated=False,
+    *(
+        FrequencyLaw(looks_like=like, text=text, of=of, unit="kg", stated=False)
+        for like, text, of in (
+            (STIFFNESS, "grows with the square of frequency, as of something that gives", _power(1, 2, AT)),
+            (DAMPING, "is constant over frequency and out of phase, as of a loss", _power(-1j, 0)),
+            (DELAY, "grows with frequency and is out of phase, as of a delay", _power(-1j, 1, AT)),
+        )
     ),
 )
 """Of an entry of the dynamic mass."""

@@ -14,6 +14,7 @@ from geometry.atomic import write_text
 from geometry.errors import BadInput, CheckFailed
 from geometry.toml_file import DECKS
 from identification.quality import NORMAL_90
+from validation import output
 from validation.diagnose import diagnosis as results
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import MISTAKE as OF_MISTAKES
@@ -23,19 +24,6 @@ from validation.history.history import SHOWN, Body, HistoryPosition, Version, Ve
 from validation.history.verdict import is_worth_adding, percent
 from validation.model import model_file, write_back
 from validation.model.model import Model
-from validation.output import (
-    NONE,
-    json_text,
-    nats,
-    odds,
-    require_ending,
-    require_file,
-    rounded,
-    shown,
-    stages,
-    to_json,
-    with_unit,
-)
 from validation.reference.statement import QUANTITIES
 from validation.report import document
 from validation.report.charts import history as charts
@@ -71,8 +59,8 @@ def of_rung(one: Version) -> dict[str, Any]:
         "cause": one.cause,
         "effect": one.effect or None,
         "effects": [effect(one, name) for name in one.effects],
-        "errors": to_json(one.errors),
-        "evidence_gain_nats": to_json(one.gain),
+        "errors": output.to_json(one.errors),
+        "evidence_gain_nats": output.to_json(one.gain),
         "inertia": [_body(body) for body in one.bodies],
         "verdict": list(one.verdict),
         "worth_a_parameter": is_worth_adding(one) if one.effect else None,
@@ -95,7 +83,7 @@ def of_step(at: HistoryPosition, before: Version, after: Version, said: Sequence
         "parent": before.number,
         "effect": effect(after, after.effect),
         "errors": both,
-        "evidence_gain_nats": to_json(after.gain),
+        "evidence_gain_nats": output.to_json(after.gain),
         "verdict": list(after.verdict),
         "worth_a_parameter": is_worth_adding(after),
         "before": of_rung(before),
@@ -113,7 +101,7 @@ def effect(one: Version, name: str) -> dict[str, Any]:
         "value": None if alone is None else alone.value,
         "unit": None if alone is None else alone.unit,
         "interval90": None if alone is None else _interval(alone),
-        "evidence_nats": to_json(one.gain) if name == one.effect else None,
+        "evidence_nats": output.to_json(one.gain) if name == one.effect else None,
         "text": " ".join(one.verdict) if name == one.effect else "",
         "values": {size.key: {"value": size.value, "unit": size.unit, "interval90": _interval(size)} for size in sizes},
     }
@@ -154,7 +142,7 @@ UNKEPT = "plain error, a configuration never seen"
 def of_added(before: Version, after: Version) -> list[Grid]:
     """The four errors before and after, the sizes of all effects, and how far each article is from its reference."""
     lines = [one for one in error_lines(before.errors, after.errors) if one[0] != UNKEPT]
-    gain = ("", NONE if after.gain is None else f"{nats(after.gain)} nats, {odds(after.gain)}")
+    gain = ("", output.NONE if after.gain is None else f"{output.nats(after.gain)} nats, {output.odds(after.gain)}")
     columns = [aligned(tuple(column)) for column in zip(*(cells for _, cells in lines), gain, strict=True)]
     names = (*(name for name, _ in lines), "evidence gained")
     header = ("", f"rung {before.number}", f"rung {after.number}")
@@ -163,7 +151,7 @@ def of_added(before: Version, after: Version) -> list[Grid]:
     sizes = [
         line
         for name, every in after.effects.items()
-        for line in [(f"{name} {size.key}".rstrip(), _size(size)) for size in every] or [(name, NONE)]
+        for line in [(f"{name} {size.key}".rstrip(), _size(size)) for size in every] or [(name, output.NONE)]
     ]
     if sizes:
         cells = aligned(tuple(cell for _, cell in sizes))
@@ -177,7 +165,7 @@ def of_added(before: Version, after: Version) -> list[Grid]:
 
 def _size(size: VersionSize) -> str:
     spread = "" if size.deviation is None else f" ± {size.deviation:.2g}"
-    return with_unit(f"{size.value:.5g}{spread}", size.unit)
+    return output.with_unit(f"{size.value:.5g}{spread}", size.unit)
 
 
 def distances(article: str, bodies: Sequence[tuple[int, Body]]) -> Grid:
@@ -199,17 +187,17 @@ def _values(article: str, bodies: Sequence[tuple[int, Body]]) -> Grid:
     for rung, body in bodies:
         header.append(f"{article}, rung {rung}")
         both = zip((body.values * per_si).tolist(), (body.half_width * per_si).tolist(), strict=True)
-        columns.append(aligned(tuple(f"{rounded(value, half)} ± {rounded(half, half)}" for value, half in both)))
+        columns.append(aligned(tuple(f"{output.rounded(value, half)} ± {output.rounded(half, half)}" for value, half in both)))
     last = bodies[-1][1]
     both = zip((last.reference * per_si).tolist(), (last.half_width * per_si).tolist(), strict=True)
-    columns.append(aligned(tuple(rounded(value, half) for value, half in both)))
+    columns.append(aligned(tuple(output.rounded(value, half) for value, half in both)))
     return Grid(header=(*header, "reference"), lines=tuple(zip(*columns, strict=True)))
 
 
 def _sizes(one: Version) -> str:
     """Of the effect that it added."""
     every = one.effects.get(one.effect, ())
-    return _size(every[0]) if len(every) == 1 else ", ".join(f"{each.key} {each.value:.4g}" for each in every) or NONE
+    return _size(every[0]) if len(every) == 1 else ", ".join(f"{each.key} {each.value:.4g}" for each in every) or output.NONE
 
 
 def rungs(at: HistoryPosition) -> Table:
@@ -236,9 +224,9 @@ def rungs(at: HistoryPosition) -> Table:
             Column("plain, only for checking", lambda row: row[2]["held_out"], unit="%", said=("checked", percent)),
             Column("χ² per dof", lambda row: row[2]["chi2_per_dof"], said=("chi²/dof", ".3g")),
             Column("sum z²", lambda row: row[2]["tolerance_z2"], on=PAGE),
-            Column("sum z²", lambda row: NONE if row[2]["due_z2"] is None else PRICE.format(**row[2]), on=TERMINAL),
+            Column("sum z²", lambda row: output.NONE if row[2]["due_z2"] is None else PRICE.format(**row[2]), on=TERMINAL),
             Column("due", lambda row: row[2]["due_z2"], on=PAGE),
-            Column("evidence", lambda row: row[1].gain, nats, unit="nats"),
+            Column("evidence", lambda row: row[1].gain, output.nats, unit="nats"),
             Column("when", lambda row: row[1].when.replace("T", " ")[:16], words=True, on=PAGE),
         ),
     )
@@ -307,12 +295,12 @@ def add(asked: "Options", effect: "AddedEffectOptions", *, as_json: bool) -> Non
     from validation.history.add import added, opened
     from validation.history.verdict import sentence
 
-    with stages(f"adding {effect.effect}", quiet=as_json) as told:
+    with output.stages(f"adding {effect.effect}", quiet=as_json) as told:
         study, known = opened(asked, effect, told)
         step = added(study, effect, told)
     said = (*known, *step.said)
     if as_json:
-        click.echo(json_text(of_step(step.at, step.before, step.after, said)))
+        click.echo(output.json_text(of_step(step.at, step.before, step.after, said)))
         return
     title = f"{asked.path.name}: {step.after.effect} added, rung {step.after.number} on rung {step.before.number}"
     click.echo(document.page(title, of_added(step.before, step.after), (*step.after.verdict, *map(sentence, said))), nl=False)
@@ -331,7 +319,7 @@ def ladder(path: Path, *, go: int | None, as_json: bool, folder: Path | None) ->
         at = history.gone_to(at, go)
     _show(at, as_json=as_json)
     if folder is not None:
-        with shown(f"pictures of {at.path.name}", quiet=as_json):
+        with output.shown(f"pictures of {at.path.name}", quiet=as_json):
             paths = charts.draw(at, folder)
         for made in paths:
             click.echo(f"massline: wrote {made}.", err=True)
@@ -352,7 +340,7 @@ def _show(at: HistoryPosition, *, as_json: bool) -> None:
     if not at.ladder.rungs:
         problem = f"it has no ladder: there is no {history.path_beside(at.path).name} beside it"
         raise BadInput(source=str(at.path), problem=problem, remedy="`massline add MODEL EFFECT DATA ...` makes one")
-    click.echo(json_text(of_ladder(at)) if as_json else text(at), nl=as_json)
+    click.echo(output.json_text(of_ladder(at)) if as_json else text(at), nl=as_json)
 
 
 # The run of `massline model`.
@@ -384,15 +372,15 @@ def model(
         raise BadInput(source="--units", problem="only a deck states none itself", remedy="Leave it out")
     if out is not None:
         if known is None:
-            require_ending(out, (".toml",), "a model file", "model.toml")
+            output.require_ending(out, (".toml",), "a model file", "model.toml")
         else:
-            require_ending(out, known.endings, f"a snippet for {known.name}", f"found{known.endings[0]}")
+            output.require_ending(out, known.endings, f"a snippet for {known.name}", f"found{known.endings[0]}")
         if out.exists() and not force:
             problem = "it is there already, perhaps with changes of your own"
             raise BadInput(
                 source=str(out), field="--out", problem=problem, remedy="Name another file, or replace it with --force"
             )
-        require_file(out, "--out")
+        output.require_file(out, "--out")
     if is_deck and tests:
         own = Path(article).with_suffix(".toml")
         if out is None or out.resolve() == own.resolve():

@@ -524,18 +524,8 @@ def _deviation(table: ReferenceTable, one: statement.Row | None, k: int) -> tupl
 
 
 HEADER = (
-    "article",
-    "quantity",
-    "unit",
-    "column",
-    "value",
-    "tolerance",
-    "reference_column",
-    "reference",
-    "deviation",
-    "deviation_percent",
-    "deviation_in_tolerances",
-    "within",
+    *("article", "quantity", "unit", "column", "value", "tolerance", "reference_column", "reference"),
+    *("deviation", "deviation_percent", "deviation_in_tolerances", "within"),
 )
 
 
@@ -566,27 +556,18 @@ def render(tables: Sequence[ReferenceTable]) -> str:
 # A column of figures is two of LaTeX's that meet at the decimal point, so that the points stand below each other in any font.
 
 
+MATHEMATICS = r"\Theta ^2 ^3 \pm \times \int \cdot ^\circ \mu \le \ge \to"
+
 _SPECIAL = {
     "\\": r"\textbackslash{}",
     **{c: rf"\{c}" for c in "&%$#_{}"},
     "~": r"\textasciitilde{}",
     "^": r"\textasciicircum{}",
-    "Θ": r"$\Theta$",
-    "²": r"$^2$",
-    "³": r"$^3$",
-    "±": r"$\pm$",
     "–": "--",
-    "×": r"$\times$",
-    "∫": r"$\int$",
-    "·": r"$\cdot$",
-    "°": r"$^\circ$",
-    "µ": r"$\mu$",
+    **{c: f"${math}$" for c, math in zip("Θ²³±×∫·°µ≤≥→", MATHEMATICS.split(), strict=True)},
     **{c: f"${c}$" for c in "<>|"},  # the first fonts of TeX have other signs in their places
     "−": "$-$",
     "…": r"\dots{}",
-    "≤": r"$\le$",
-    "≥": r"$\ge$",
-    "→": r"$\to$",
     **dict.fromkeys("’‘", "'"),
 }
 

@@ -169,32 +169,23 @@ def order(sizes: Iterable[float], errors: Iterable[float]) -> float:
     return float(np.polyfit(np.log(list(sizes)), np.log(np.abs(list(errors))), 1)[0])
 
 
-FAMILIES = {
-    "beams": "beam elements",
-    "sandwich": "sandwich beam",
-    "solids": "solid elements",
-    "essentials": "patch test, rigid body, units",
-    "plates": "NAFEMS plates",
-    "rods": "an article meshed by gmsh",
-    "dynamic-mass": "dynamic mass",
-    "exudyn": "exudyn's own beams",
-    "time": "base excitation in time",
-    "pendulum": "rope pendulum",
+_TOLD = {
+    "beams": ("beam elements", "beams.BARS"),
+    "sandwich": ("sandwich beam", "beams.SANDWICH"),
+    "solids": ("solid elements", "solids.SOLIDS"),
+    "essentials": ("patch test, rigid body, units", "solids.ESSENTIALS"),
+    "plates": ("NAFEMS plates", "solids.PLATES"),
+    "rods": ("an article meshed by gmsh", "solids.RODS"),
+    "dynamic-mass": ("dynamic mass", "dynamics.DYNAMIC_MASS"),
+    "exudyn": ("exudyn's own beams", "beams.EXUDYN_BEAMS"),
+    "time": ("base excitation in time", "dynamics.DRIVEN_BASE"),
+    "pendulum": ("rope pendulum", "dynamics.ROPE_PENDULUM"),
 }
+
+FAMILIES = {name: words for name, (words, _) in _TOLD.items()}
 """Families by the name that the command takes, in the order of the table."""
 
-_ROWS = {
-    "essentials": "solids.ESSENTIALS",
-    "beams": "beams.BARS",
-    "sandwich": "beams.SANDWICH",
-    "exudyn": "beams.EXUDYN_BEAMS",
-    "solids": "solids.SOLIDS",
-    "plates": "solids.PLATES",
-    "rods": "solids.RODS",
-    "dynamic-mass": "dynamics.DYNAMIC_MASS",
-    "time": "dynamics.DRIVEN_BASE",
-    "pendulum": "dynamics.ROPE_PENDULUM",
-}
+_ROWS = {name: rows for name, (_, rows) in _TOLD.items()}
 """Module of this package and name of its rows, by family."""
 
 
