@@ -1,8 +1,8 @@
-"""Robot descriptions, URDF and the MJCF of MuJoCo: the inertia that each link states, and the shapes that it is drawn with.
+"""Robot descriptions, URDF, the MJCF of MuJoCo and the SDF of Gazebo: the inertia that each link states, and its shapes.
 
-Both are read as they are written, without the simulators. Lengths are metres. A link's frame is that of its joint (URDF) or body
-(MJCF); everything here is seen from it. The stated tensor is about the stated centre of mass, in the axes of the *inertial* frame
-(`origin` of URDF, `pos` and `quat` of MJCF), products as matrix entries.
+All are read as they are written, without the simulators. Lengths are metres. A link's frame is that of its joint (URDF), of its
+body (MJCF) or its own (SDF); everything is seen from it. The stated tensor is about the stated centre of mass, in the axes of
+the *inertial* frame (`origin` of URDF, `pos` and `quat` of MJCF, `pose` of SDF), products as matrix entries.
 """
 
 import math
@@ -18,8 +18,8 @@ from geometry.errors import BadInput
 from geometry.frames import Array, Pose, rotation_about
 from geometry.inertia import Inertia, tensor_from_six
 
-ENDINGS = (".urdf", ".xml")
-"""URDF, and MJCF."""
+ENDINGS = (".urdf", ".xml", ".sdf")
+"""URDF, MJCF and SDF."""
 
 MOST_BYTES = 64 << 20
 """Of one description; the largest that are published have a few hundred kilobytes."""
@@ -99,7 +99,7 @@ class Link:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Robot:
-    """A description as read: its `name`, `form` ("URDF" or "MJCF") and `links`, in the order of the file."""
+    """A description as read: its `name`, `form` ("URDF", "MJCF" or "SDF") and `links`, in the order of the file."""
 
     name: str
     form: str
@@ -111,15 +111,18 @@ def read(path: Path) -> Robot:
 
     Raises
     ------
-    BadInput : no XML, neither `robot` nor `mujoco`, xacro that was not expanded, a number that is none, doubled names of links.
+    BadInput : no XML, none of `robot`, `mujoco` and `sdf`, xacro that was not expanded, a number that is none, doubled names of
+        links, a file that is included and not there, frames that are not there.
     """
     root = _parsed(path)
     if root.tag == "robot":
         form, links = "URDF", _Urdf(path).links(root)
     elif root.tag == "mujoco":
         form, links = "MJCF", _Mjcf(path, root).links()
+    elif root.tag == "sdf":
+        form, links = "SDF", tuple(_Sdf(path).links(_with_texts(root)))
     else:
-        problem = f"it is neither a URDF (<robot>) nor an MJCF (<mujoco>), found <{root.tag[:40]}>"
+        problem = f"it is neither a URDF (<robot>), an MJCF (<mujoco>) nor an SDF (<sdf>), found <{root.tag[:40]}>"
         raise BadInput(source=str(path), problem=problem, remedy="Give a robot description, or a STEP or mesh file")
     names = [link.name for link in links]
     if doubled := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
@@ -191,6 +194,56 @@ class _Numbers:
             note="" if body is not None else "its mass is zero",
         )
 
+    def rolled(self, angles: Array) -> Array:
+        """The turn (3, 3) by `angles` (3,) [rad] about fixed axes: roll about x, then pitch about y, then yaw about z."""
+        roll, pitch, yaw = angles.tolist()
+        return rotation_about("z", yaw) @ rotation_about("y", pitch) @ rotation_about("x", roll)
+
+    def unit(self, element: Element, vector: Array) -> Array:
+        length = float(np.linalg.norm(vector))
+        if not length > 1e-12:
+            raise BadInput(source=str(self.path), field=element.tag, problem="a direction has no length", remedy="Correct it")
+        return np.asarray(vector / length)
+
+    def turned(self, element: Element, quaternion: Array) -> Array:
+        w, x, y, z = self.unit(element, quaternion)
+        return np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+
+    def found(self, named: str) -> Path | None:
+        """The file behind a plain path, ``file://`` or ``package://NAME/...``, looked for upwards from the description."""
+        plain = re.sub(r"^(file|package|model)://", "", named)
+        here = self.path.resolve().parent
+        tails = [plain, plain.partition("/")[2]] if "://" in named else [plain]
+        places = (folder / tail for tail in tails if tail for folder in (here, *here.parents[:6]))
+        return next((place for place in places if place.is_file()), None)
+
+    def shape_of(self, element: Element, use: str, pose: Pose) -> LinkShape | None:
+        """What `geometry` of an element of URDF or SDF says; nothing of what bounds no volume."""
+        geometry = element.find("geometry")
+        one = None if geometry is None else next(iter(geometry), None)
+        if one is None or one.tag in ("plane", "heightmap", "empty", "image"):
+            return None
+        if one.tag == "mesh":
+            named = one.get("filename", one.get("uri", "")).strip()
+            file = self.found(named)
+            x, y, z = self.of(one, "scale", [1.0] * 3).tolist()
+            lost = "" if file else f"its mesh {named} is not there"
+            lost = "its mesh is a part of a file (submesh), which is not read" if one.find("submesh") is not None else lost
+            return LinkShape(use=use, kind="mesh", pose=pose, file=None if lost else file, scale=(x, y, z), lost=lost)
+        if one.tag not in SIZES:
+            return LinkShape(use=use, kind=one.tag, pose=pose, lost=f"a shape <{one.tag}> is not known")
+        if whole := {"box": "size", "ellipsoid": "radii"}.get(one.tag):
+            size = self.of(one, whole, [0.0] * 3)
+        else:
+            size = np.array([self.of(one, key, [0.0])[0] for key in ("radius", "length")[: SIZES[one.tag]]])
+        return LinkShape(use=use, kind=one.tag, pose=pose, size=tuple(size.tolist()))
+
 
 class _Urdf(_Numbers):
     def links(self, root: Element) -> tuple[Link, ...]:
@@ -202,7 +255,7 @@ class _Urdf(_Numbers):
             shape
             for use in ("visual", "collision")
             for one in element.findall(use)
-            if (shape := self.shape(one, use)) is not None
+            if (shape := self.shape_of(one, use, self.pose(one))) is not None
         )
         stated = element.find("inertial")
         if stated is None:
@@ -218,40 +271,8 @@ class _Urdf(_Numbers):
         return self.link(name, float(self.of(mass, "value", [0.0])[0]), six, pose, written, shapes)
 
     def pose(self, element: Element) -> Pose:
-        """`origin`: fixed axes, roll about x, then pitch about y, then yaw about z."""
         origin = element.find("origin")
-        roll, pitch, yaw = self.of(origin, "rpy", [0.0] * 3)
-        rotation = rotation_about("z", yaw) @ rotation_about("y", pitch) @ rotation_about("x", roll)
-        return Pose(position=self.of(origin, "xyz", [0.0] * 3), rotation=rotation)
-
-    def shape(self, element: Element, use: str) -> LinkShape | None:
-        geometry = element.find("geometry")
-        one = None if geometry is None else next(iter(geometry), None)
-        if one is None:
-            return None
-        pose = self.pose(element)
-        if one.tag == "mesh":
-            named = one.get("filename", "")
-            file = self.found(named)
-            x, y, z = self.of(one, "scale", [1.0] * 3).tolist()
-            lost = "" if file else f"its mesh {named} is not there"
-            return LinkShape(use=use, kind="mesh", pose=pose, file=file, scale=(x, y, z), lost=lost)
-        if one.tag == "box":
-            size = self.of(one, "size", [0.0] * 3)
-        elif one.tag in ("cylinder", "sphere", "capsule"):
-            keys = ("radius",) if one.tag == "sphere" else ("radius", "length")
-            size = np.array([self.of(one, key, [0.0])[0] for key in keys])
-        else:
-            return LinkShape(use=use, kind=one.tag, pose=pose, lost=f"a shape <{one.tag}> is not known")
-        return LinkShape(use=use, kind=one.tag, pose=pose, size=tuple(size.tolist()))
-
-    def found(self, named: str) -> Path | None:
-        """The file behind a plain path, ``file://`` or ``package://NAME/...``, looked for upwards from the description."""
-        plain = re.sub(r"^(file|package|model)://", "", named)
-        here = self.path.resolve().parent
-        tails = [plain, plain.partition("/")[2]] if "://" in named else [plain]
-        places = (folder / tail for tail in tails if tail for folder in (here, *here.parents[:6]))
-        return next((place for place in places if place.is_file()), None)
+        return Pose(position=self.of(origin, "xyz", [0.0] * 3), rotation=self.rolled(self.of(origin, "rpy", [0.0] * 3)))
 
 
 class _Mjcf(_Numbers):
@@ -386,26 +407,10 @@ class _Mjcf(_Numbers):
             rotation = self.turned(element, self.of(element, "quat", [1.0, 0.0, 0.0, 0.0]))
         return Pose(position=position, rotation=rotation)
 
-    def unit(self, element: Element, vector: Array) -> Array:
-        length = float(np.linalg.norm(vector))
-        if not length > 1e-12:
-            raise BadInput(source=str(self.path), field=element.tag, problem="a direction has no length", remedy="Correct it")
-        return np.asarray(vector / length)
-
     def along(self, element: Element, z: Array) -> Array:
         """The smallest turn (3, 3) that brings the axis z into the direction `z`."""
         z = self.unit(element, z)
         return self.turned(element, np.array([1 + z[2], -z[1], z[0], 0.0]) if z[2] > -1 else np.array([0.0, 1, 0, 0]))
-
-    def turned(self, element: Element, quaternion: Array) -> Array:
-        w, x, y, z = self.unit(element, quaternion)
-        return np.array(
-            [
-                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-            ]
-        )
 
     def shape(self, geom: Element) -> LinkShape | None:
         kind = geom.get("type", "mesh" if geom.get("mesh") else "sphere")
@@ -429,3 +434,120 @@ class _Mjcf(_Numbers):
             pose = Pose(position=0.5 * (one + other), rotation=self.along(geom, one - other))
         doubled = 2 * size if kind == "box" else np.append(size[:1], 2 * size[1:]) if kind in ("cylinder", "capsule") else size
         return LinkShape(use=use, kind=kind, pose=pose, size=tuple(doubled.tolist()))
+
+
+def _with_texts(root: Element) -> Element:
+    """An SDF of which what stands in elements are attributes as well, as other forms have them."""
+    for one in root.iter():
+        for child in one:
+            if not len(child) and child.text and child.text.strip():
+                one.attrib.setdefault(child.tag, child.text.strip())
+    return root
+
+
+class _Sdf(_Numbers):
+    """A pose may be told from any frame of its model."""
+
+    def links(self, root: Element) -> Iterator[Link]:
+        """Of all models of a file, which are called by their model where there are several."""
+        worlds = [root, *root.findall("world")]
+        models = [one for world in worlds for one in world if one.tag in ("model", "include")]
+        for one in models:
+            yield from self.below(one, f"{self.name(one)}::" if len(models) > 1 else "", 0)
+
+    def name(self, element: Element) -> str:
+        return element.get("name") or element.get("uri", "").rstrip("/").rpartition("/")[2]
+
+    def below(self, model: Element, prefix: str, level: int) -> Iterator[Link]:
+        """Links of a model and of those within it, or of the file that it includes."""
+        if level > MOST_LEVELS:
+            problem = f"more than {MOST_LEVELS} models within models"
+            raise BadInput(source=str(self.path), field="include", problem=problem, remedy="Check the file")
+        if model.tag == "include":
+            inner, root = self.included(model)
+            for one in root.findall("model"):
+                yield from inner.below(one, prefix, level + 1)
+            return
+        frames = {one.get("name", ""): one for one in model if one.tag in ("link", "frame", "joint", "model")}
+        for one in model:
+            if one.tag == "link":
+                yield replace(self.read(one, frames), name=f"{prefix}{one.get('name', '')}")
+            elif one.tag in ("model", "include"):
+                merged = one.get("merge") in ("true", "1")
+                yield from self.below(one, prefix if merged else f"{prefix}{self.name(one)}::", level + 1)
+
+    def included(self, element: Element) -> tuple["_Sdf", Element]:
+        """The reader of an included file, and what it holds.
+
+        Raises
+        ------
+        BadInput : it is not there; whatever is wrong with it.
+        """
+        named = element.get("uri", "")
+        inside = ("/model.sdf", "/model.config", "")
+        file = next((file for ending in inside if (file := self.found(f"{named}{ending}"))), None)
+        if file is not None and file.name == "model.config":  # says which file the model stands in
+            listed = [(one.text or "").strip() for one in _parsed(file).findall("sdf")]
+            file = next((place for one in reversed(listed) if (place := file.parent / one).is_file()), None)
+        if file is None:
+            problem = f"it includes {named or 'nothing'}, which is not there"
+            remedy = "Copy that model's folder beside the file, or take the <include> out"
+            raise BadInput(source=str(self.path), field="include", problem=problem, remedy=remedy)
+        root = _parsed(file)
+        if root.tag != "sdf" or root.find("model") is None:
+            problem = f"it includes {named}, which is <{root.tag[:40]}> and no model of an SDF"
+            raise BadInput(source=str(self.path), field="include", problem=problem, remedy="Give that file by itself")
+        return _Sdf(file), _with_texts(root)
+
+    def pose(self, element: Element) -> Pose:
+        """Its `pose`: place and roll, pitch and yaw, or place and quaternion x, y, z, w."""
+        one = element.find("pose")
+        if one is not None and one.get("rotation_format") == "quat_xyzw":
+            seven = self.of(element, "pose", [0.0] * 6 + [1.0])
+            return Pose(position=seven[:3], rotation=self.turned(element, seven[[6, 3, 4, 5]]))
+        six = self.of(element, "pose", [0.0] * 6)
+        degrees = one is not None and one.get("degrees") in ("true", "1")
+        return Pose(position=six[:3], rotation=self.rolled(six[3:] * (math.pi / 180 if degrees else 1.0)))
+
+    def placed(self, element: Element, frames: Mapping[str, Element], base: str, level: int = 0) -> Pose:
+        """Where something is in its model: its pose from the frame that it names, else from `base`.
+
+        Raises
+        ------
+        BadInput : a frame that the model does not have, or that stands on itself.
+        """
+        stated = element.find("pose")
+        seen = (stated.get("relative_to") if stated is not None else "") or base
+        if seen in ("", "__model__"):
+            return self.pose(element)
+        if seen not in frames or level > MOST_LEVELS:
+            problem = f"the frame {seen!r} {'stands on itself' if seen in frames else 'is none of its model'}"
+            raise BadInput(source=str(self.path), field="pose", problem=problem, remedy="Correct relative_to")
+        one = frames[seen]
+        below = one.get({"frame": "attached_to", "joint": "child"}.get(one.tag, ""), "")
+        return self.placed(one, frames, below, level + 1) @ self.pose(element)
+
+    def within(self, element: Element, frames: Mapping[str, Element], link: Element) -> Pose:
+        """Where something is in its link."""
+        stated, own = element.find("pose"), link.get("name", "")
+        if stated is None or stated.get("relative_to", "") in ("", own):
+            return self.pose(element)
+        return self.placed(link, frames, "").inverse @ self.placed(element, frames, own)
+
+    def read(self, element: Element, frames: Mapping[str, Element]) -> Link:
+        name, stated = element.get("name", ""), element.find("inertial")
+        drawn = ((use, one) for use in ("visual", "collision") for one in element.findall(use))
+        every = (self.shape_of(one, use, self.within(one, frames, element)) for use, one in drawn)
+        shapes = tuple(shape for shape in every if shape is not None)
+        if stated is None:
+            return Link(name=name, shapes=shapes, note="it states no inertia; Gazebo takes 1 kg and 1 kg m²")
+        if stated.get("auto") in ("true", "1"):
+            return Link(name=name, shapes=shapes, note="Gazebo makes its inertia of its shapes")
+        tensor, keys = stated.find("inertia"), ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+        six = np.array([self.of(tensor, key, [float(key[1] == key[2])])[0] for key in keys])
+        place = self.half_units(stated, ["pose"])[:3] or [0.0] * 3
+        written = [(self.half_units(one, [key]) or [0.0])[0] for one, key in ((stated, "mass"), *((tensor, key) for key in keys))]
+        mass, pose = float(self.of(stated, "mass", [1.0])[0]), self.within(stated, frames, element)
+        link = self.link(name, mass, six, pose, [written[0], *place, *written[1:]], shapes)
+        missing = [*(["mass"] if "mass" not in stated.attrib else []), *(["tensor"] if tensor is None else [])]
+        return replace(link, note=f"it states no {' and no '.join(missing)}, of which Gazebo takes 1") if missing else link

@@ -446,7 +446,9 @@ def require_file(path: str | Path) -> Path:
 def _unreadable(path: Path) -> BadInput:
     toml_file.require_no_other(path)
     problem = f"a file that ends in {path.suffix.lower() or 'nothing'} cannot be read"
-    return BadInput(source=str(path), problem=problem, remedy=f"Give one of {', '.join(ENDINGS)}, or a robot's .urdf or .xml")
+    return BadInput(
+        source=str(path), problem=problem, remedy=f"Give one of {', '.join(ENDINGS)}, or a robot's .urdf, .xml or .sdf"
+    )
 
 
 def _finished(name: str, parts: tuple[UserPart, ...], note: str, warnings: tuple[str, ...]) -> UserArticle:

@@ -234,6 +234,146 @@ def test_an_empty_line_before_the_declaration_is_no_damage(tmp_path: Path) -> No
     assert [link.name for link in robot.read(tmp_path / "r.urdf").links] == ["arm"]
 
 
+SDF = """<?xml version="1.0"?>
+<sdf version="1.9"><world name="w"><model name="robot">
+  <frame name="hand" attached_to="arm"><pose>0 0 0.5 0 0 0</pose></frame>
+  <frame name="aside"><pose degrees="true">1 0 0 0 0 90</pose></frame>
+  <link name="arm">
+    <pose relative_to="aside">0 0 0.2 0 0 0</pose>
+    <inertial><pose>{cog} {rpy}</pose><mass>{mass}</mass><inertia>{six}</inertia></inertial>
+    <visual name="v"><pose>0 0 0 0 0 0</pose><geometry><mesh><uri>model://robot/link.obj</uri>{scale}</mesh></geometry></visual>
+    <collision name="c"><pose relative_to="{frame}">{pose}</pose>
+      <geometry><box><size>0.1 0.2 0.3</size></box></geometry></collision>
+    <collision name="floor"><geometry><plane/></geometry></collision>
+  </link>
+  <joint name="turn" type="revolute"><parent>world</parent><child>arm</child><pose>0 0.3 0 0 0 0</pose></joint>
+  {more}
+</model></world></sdf>
+"""
+
+
+def sdf(folder: Path, body: Inertia, inertial: Pose | None = None, **words: str) -> Path:
+    """One link of Gazebo that states `body` in the axes of `inertial`."""
+    R = np.eye(3) if inertial is None else inertial.rotation
+    six = zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), six_from_tensor(R.T @ body.tensor_cog @ R).tolist(), strict=True)
+    cog, rpy = (" ".join(map(repr, one.tolist())) for one in (body.cog, pinocchio.rpy.matrixToRpy(R)))
+    said = {"scale": "", "more": "", "frame": "", "pose": "0 0 0 0 0 0", **words}
+    tensor = "".join(f"<{key}>{value!r}</{key}>" for key, value in six)
+    (folder / "robot.sdf").write_text(SDF.format(cog=cog, rpy=rpy, mass=repr(body.mass), six=tensor, **said), encoding="utf-8")
+    return folder / "robot.sdf"
+
+
+def test_a_link_of_gazebo_is_that_of_a_urdf(tmp_path: Path) -> None:
+    write_mesh(tmp_path)
+    turned = Pose(rotation=rotation_about("z", 0.7) @ rotation_about("x", -0.4))
+    ours, theirs = (findings(form(tmp_path, tetrahedron(), turned)).links[0] for form in (sdf, urdf))
+    assert (ours.wrong, ours.doubts, ours.shape) == ((), (), theirs.shape)
+    assert_allclose(ours.link.inertia.parameters, theirs.link.inertia.parameters, rtol=0, atol=1e-15)  # type: ignore[union-attr]
+    assert_allclose(ours.link.half_unit, theirs.link.half_unit)
+    for route, one in ours.drawn.routes.items():
+        assert_allclose(one.parameters, theirs.drawn.routes[route].parameters, rtol=1e-12)
+
+
+def test_a_mesh_of_gazebo_in_millimetres_is_named(tmp_path: Path) -> None:
+    write_mesh(tmp_path, 1000.0)
+    one = findings(sdf(tmp_path, off(tetrahedron()))).links[0]
+    assert one.wrong == ("its mesh is in millimetres: give it scale 0.001",)
+    assert findings(sdf(tmp_path, off(tetrahedron()), scale="<scale>1e-3 1e-3 1e-3</scale>")).links[0].wrong == ()
+
+
+@pytest.mark.parametrize(
+    ("frame", "place", "turn"),
+    [
+        ("", (0.0, 0.0, 0.1), 0.0),
+        ("arm", (0.0, 0.0, 0.1), 0.0),
+        ("hand", (0.0, 0.0, 0.6), 0.0),
+        ("turn", (0.0, 0.3, 0.1), 0.0),  # a joint stands in its child
+        ("aside", (0.0, 0.0, -0.1), 0.0),
+        ("__model__", (0.0, 1.0, -0.1), -np.pi / 2),
+    ],
+)
+def test_poses_of_gazebo_are_told_from_any_frame(frame: str, place: tuple[float, ...], turn: float, tmp_path: Path) -> None:
+    """The link stands at (1, 0, 0.2) of the model, turned by 90 degrees about z."""
+    (link,) = robot.read(sdf(tmp_path, tetrahedron(), frame=frame, pose="0 0 0.1 0 0 0")).links
+    box = link.shapes[1]
+    assert (len(link.shapes), box.kind, box.size) == (2, "box", (0.1, 0.2, 0.3))
+    assert_allclose(box.pose.position, place, atol=1e-12)
+    assert_allclose(box.pose.rotation, rotation_about("z", turn), atol=1e-12)
+
+
+def test_a_pose_of_gazebo_may_be_a_quaternion(tmp_path: Path) -> None:
+    path = sdf(tmp_path, tetrahedron(), pose="1 2 3 0 0 0.7071067811865476 0.7071067811865476")
+    path.write_text(path.read_text().replace('<pose relative_to="">', '<pose rotation_format="quat_xyzw">'))
+    (link,) = robot.read(path).links
+    assert_allclose(link.shapes[1].pose.rotation, rotation_about("z", np.pi / 2), atol=1e-12)
+    assert_allclose(link.shapes[1].pose.position, [1, 2, 3])
+
+
+def test_models_that_are_included_are_followed_and_called_by_their_names(tmp_path: Path) -> None:
+    folder = tmp_path / "models" / "gripper"
+    folder.mkdir(parents=True)
+    (folder / "model.config").write_text("<model><sdf version='1.5'>old.sdf</sdf><sdf version='1.9'>new.sdf</sdf></model>")
+    (folder / "new.sdf").write_text("<sdf version='1.9'><model name='gripper'><link name='jaw'/></model></sdf>")
+    more = "<include><uri>model://{0}</uri></include><include merge='true'><name>b</name><uri>model://{0}</uri></include>"
+    nested = "<model name='inner'><link name='pin'/></model>"
+    path = sdf(tmp_path, tetrahedron(), more=more.format("models/gripper") + nested)
+    found = robot.read(path)
+    assert [link.name for link in found.links] == ["arm", "gripper::jaw", "jaw", "inner::pin"]
+    assert found.links[1].note == "it states no inertia; Gazebo takes 1 kg and 1 kg m²"
+
+
+@pytest.mark.parametrize(
+    ("inertial", "mass", "note"),
+    [
+        ("<inertial auto='true'><density>1000</density></inertial>", 0.0, "Gazebo makes its inertia of its shapes"),
+        ("<inertial><mass>2</mass></inertial>", 2.0, "it states no tensor, of which Gazebo takes 1"),
+        ("<inertial/>", 1.0, "it states no mass and no tensor, of which Gazebo takes 1"),
+        ("<inertial><mass>0</mass></inertial>", 0.0, "it states no tensor, of which Gazebo takes 1"),
+    ],
+)
+def test_what_gazebo_makes_of_an_inertia_that_is_not_stated_is_said(
+    inertial: str, mass: float, note: str, tmp_path: Path
+) -> None:
+    more = f"<link name='bare'>{inertial}</link>"
+    link = robot.read(sdf(tmp_path, tetrahedron(), more=more)).links[1]
+    assert (link.mass, link.note) == (mass, note)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ({"frame": "elbow"}, "the frame 'elbow' is none of its model"),
+        (
+            {
+                "more": "<frame name='a'><pose relative_to='b'/></frame><frame name='b'><pose relative_to='a'/></frame>",
+                "frame": "a",
+            },
+            "stands on itself",
+        ),
+        ({"more": "<include><uri>model://gripper</uri></include>"}, "it includes model://gripper, which is not there"),
+        ({"more": "<include><uri>loop.sdf</uri></include>"}, "more than 60 models within models"),
+        ({"more": "<include><uri>robot.sdf</uri></include>"}, "which is <sdf> and no model of an SDF"),
+        ({"more": "<link name='arm'/>"}, "two links are called 'arm'"),
+        ({"pose": "0 0 0"}, "must be 6 finite numbers, found '0 0 0'"),
+        ({"scale": "<scale>1 1</scale>"}, "must be 3 finite numbers"),
+    ],
+)
+def test_what_gazebo_would_not_read_is_refused(
+    words: dict[str, str], said: str, refused: Callable[..., str], tmp_path: Path
+) -> None:
+    loop = "<include><uri>loop.sdf</uri></include>"
+    (tmp_path / "loop.sdf").write_text(f"<sdf version='1.9'><model name='loop'>{loop}</model></sdf>")
+    assert said in refused("reference", str(sdf(tmp_path, tetrahedron(), **words)))
+
+
+def test_what_is_written_for_gazebo_is_read_back(run: Callable[..., tuple[int, str, str]], tmp_path: Path) -> None:
+    write_mesh(tmp_path)
+    path = str(urdf(tmp_path, tetrahedron(), Pose(rotation=rotation_about("x", 0.4))))
+    assert run("reference", path, "--column", "occ", "--out", "again.sdf")[0] == main.DONE
+    (found,) = robot.read(tmp_path / "again.sdf").links
+    assert_allclose(found.inertia.tensor_cog, tetrahedron().tensor_cog, rtol=0, atol=1e-12)  # type: ignore[union-attr]
+
+
 def test_a_tensor_of_zeros_is_doubted_as_that_of_a_point(tmp_path: Path) -> None:
     """A pulley of 100 kg without any moment had been no doubt at all."""
     write_mesh(tmp_path)

@@ -60,8 +60,8 @@ def reference_command(
     """Mass, CoG and inertia of articles by three routes, beside published, measured and identified values.
 
     ARTICLE is a built-in part (cuboid, disc, fmd, clumod-1, clumod-4), a stack of them from bottom to top (fmd+disc+cuboid), or a
-    STEP, STL, PLY, OBJ or article.toml file or folder of your own, or a robot description, URDF or MuJoCo's .xml, whose links are
-    held against their meshes. Without any, all five built-in parts.
+    STEP, STL, PLY, OBJ or article.toml file or folder of your own, or a robot description, URDF, MuJoCo's .xml or
+    Gazebo's .sdf, whose links are held against their meshes. Without any, all five built-in parts.
 
     Exit code 1 when the routes of an article disagree by more than their stated errors, or a robot's link is wrong.
     """
@@ -96,7 +96,7 @@ def reference_command(
             problem = f"{robots[0]} is a robot, whose links have a frame, a mass and a unit of their own"
             raise BadInput(source=option, problem=problem, remedy="Leave it out")
     if link is not None and not robots:
-        raise BadInput(source="--link", problem="no robot is among the articles", remedy="Name a .urdf or .xml file")
+        raise BadInput(source="--link", problem="no robot is among the articles", remedy="Name a .urdf, .xml or .sdf file")
     tables: list[ReferenceTable] = []
     found: list[RobotFindings] = []
     for name in counted(names, "three routes", quiet=as_json):
