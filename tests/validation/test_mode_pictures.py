@@ -16,6 +16,9 @@ from geometry.articles import built_in
 from geometry.errors import BadInput
 from geometry.frames import rigid_transformation
 from validation.cli import main
+from validation.diagnose.diagnosis import FoundNode
+from validation.diagnose.everywhere import NodeScores
+from validation.effects.catalogue import Named
 from validation.flexible.model import FlexibleOptions, flexible, nearest_part
 from validation.flexible.modes import displacement, has_rotations
 from validation.report.scenes import motion
@@ -59,14 +62,51 @@ def test_letters_of_a_full_sheet_have_7_points_on_paper_where_it_is_182_mm_wide(
     assert min(sizes) * 182 / (motion.COLUMNS * motion.TILE[0]) * 72 / 25.4 >= 7
 
 
-def test_the_map_of_nodes_says_whole_why_its_figures_are_not_those_of_the_table(renderer, tmp_path, monkeypatch):
-    """On the narrowest sheet: the map is to first order, and another node may be first where sizes are finite."""
+def test_the_map_of_nodes_says_whole_what_is_of_the_table(renderer, tmp_path, monkeypatch):
+    """On the narrowest sheet."""
     lines, write = list[str](), motion.scene.write
     monkeypatch.setattr(motion.scene, "write", lambda *words, **how: (lines.append(words[3]), write(*words, **how)))
     mode_sheet("nodes", [swaying()], tmp_path / "sheet.png", motion.NOTE, swing=0.0)
     said = " ".join(lines)
-    assert "to first order (the table's sizes are finite)" in said
+    assert "best node and number as in the table" in said
     assert "…" not in said
+
+
+def test_the_map_of_nodes_and_its_table_have_one_best_node_and_one_number(tmp_path, monkeypatch):
+    """To first order the first node explains most, and the table has the third at a finite size; the map had had the first, with
+    a number of its own."""
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]])
+    evidence = {kind: np.array([90.0, 30.0, 40.0]) for kind in ("point-mass", "cable:x")}
+    scores = NodeScores(
+        article="beam", structure=None, points=points, evidence=evidence, size=dict(evidence), tuned=np.zeros((3, 2))
+    )
+    table = (("@2,0,0", 12.0), ("@1,0,0", 8.0))
+    told = [
+        FoundNode(
+            named=Named(family="point-mass", targets=(place,), values={"": 0.1}),
+            article="beam",
+            evidence=value,
+            looked=2.0,
+            position=tuple(map(float, place[1:].split(","))),
+        )
+        for place, value in table
+    ]
+    tiles, drawn = list[DrawnMode](), list[np.ndarray]()
+
+    class Shown:
+        @staticmethod
+        def of(structure, points):
+            return Shown
+
+        @staticmethod
+        def moving(name, shown):
+            drawn.append(shown[:, 0])
+
+    monkeypatch.setattr(motion, "Outline", Shown)
+    monkeypatch.setattr(motion, "mode_sheet", lambda title, made, *words, **how: tiles.extend(made))
+    motion.draw_nodes([scores.corrected("point-mass", {0: 9.0, 2: 14.0})], told, tmp_path / "nodes.png")
+    assert [tile.text for tile in tiles] == ["12.0 nats at (2000, 0, 0) mm"]  # and no spring, of which the table has none
+    np.testing.assert_allclose(drawn[0], [9.0, 10.0, 14.0])
 
 
 def test_what_is_looked_for_everywhere_fits_above_its_tile():

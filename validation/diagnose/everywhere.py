@@ -148,6 +148,21 @@ class NodeScores:
             left = left[np.linalg.norm(self.points[left] - self.points[left[0]], axis=1) > apart]
         return np.array(found, dtype=np.int64)
 
+    def corrected(self, kind: str, told: Mapping[int, float]) -> "NodeScores":
+        """With the evidence `told` of some nodes for `kind` without the first order, by as much higher or lower around each of
+        them, and nowhere more than at the best of them."""
+        from scipy.spatial import cKDTree
+
+        nodes, evidence, whole = np.array([*told]), np.maximum([*told.values()], 0.0), self.evidence[kind]
+        ratio = evidence / np.maximum(whole[nodes], PROMISING)
+        around = np.minimum(whole * ratio[cKDTree(self.points[nodes]).query(self.points)[1]], evidence.max())
+        around[nodes] = evidence
+        return replace(self, evidence={**self.evidence, kind: around})
+
+    def nearest(self, point: Sequence[float]) -> int:
+        """The node at `point` (3,) [m], or nearest to it."""
+        return int(np.argmin(np.linalg.norm(self.points - np.array(point), axis=1)))
+
     def named(self, kind: str, node: int, size: float) -> Named:
         """The effect at a node."""
         family, _, along = kind.partition(":")
@@ -412,17 +427,18 @@ class MeshSearch:
             best = max([best, *told])
         return best[2], best[0], best[1]
 
-    def best_node(self, scores: NodeScores, kind: str, *, far: bool = False) -> tuple[int, float, float]:
+    def best_node(self, scores: NodeScores, kind: str, *, far: bool = False) -> tuple[int, float, float, dict[int, float]]:
         """The best node for `kind` that is reached from those that stand out, its evidence [nats] and size; and from `surveyed`
-        ones where what is looked for may be `far`: no straight line leads there."""
+        ones where what is looked for may be `far`: no straight line leads there. Beside it the evidence of all of these."""
         evidence, size = scores.evidence[kind], scores.size[kind]
         if kind == RESONATOR:
             best = int(np.argmax(evidence))
-            return best, float(evidence[best]), float(size[best])
+            return best, float(evidence[best]), float(size[best]), {best: float(evidence[best])}
         asked = [(one, size[one]) for one in scores.standing_out(kind).tolist()]
         asked += [(one, sign) for one in self.surveyed.tolist() for sign in (1.0, -1.0)[: 1 + (kind == MASS)]] if far else []
-        _, found, node = max((*self.sized(kind, one, first), one) for one, first in asked)
-        return self.nearby(kind, self.points[node], found)
+        told = sorted((*self.sized(kind, one, first), one) for one, first in asked)
+        node, gain, own = self.nearby(kind, self.points[told[-1][2]], told[-1][1])
+        return node, gain, own, {one: each for each, _, one in told} | {node: gain}
 
     def about(self, kind: str, node: int, size: float) -> Array:
         """[octave] sizes about that of a `node`, as of `sized`: less mass where a structure moves more does nearly the same."""
@@ -530,13 +546,15 @@ def found_nodes(
     for k, search in enumerate(MeshSearch.of(candidate)):
         done = partial(lambda before, share: progress((before + share / 2) / len(wholes)), k)
         scores = search.scores(done)
-        every.append(scores)
+        drawn = scores
         told = [(kind, evidence) for kind, evidence in scores.evidence.items() if evidence.max() >= PROMISING]
         tops = dict[str, list[tuple[int, float, float]]]()
         for asked, (kind, _) in enumerate(told):
             done(1 + asked / len(told))
-            tops[kind] = [search.best_node(scores, kind, far=far)]
+            node, gain, size, by_node = search.best_node(scores, kind, far=far)
+            tops[kind], drawn = [(node, gain, size)], drawn.corrected(kind, by_node)
         least = _least_of_rivals(max((top[0][1] for kind, top in tops.items() if kind != RESONATOR), default=np.inf))
+        every.append(drawn)
         for kind, top in tops.items():
             (node, gain, size), evidence = top[0], scores.evidence[kind]
             if far and kind != RESONATOR and gain > least:

@@ -73,7 +73,7 @@ def draw(found: results.Diagnosis, folder: Path) -> tuple[Path, ...]:
     height = 2.9 + 0.62 * sum(len(one.rows) for one in errors.panels)
     room = {"left": 0.19, "right": 0.95, "top": 1 - 1.15 / height, "bottom": 0.95 / height, "hspace": 0.5}
     static.draw_bars(errors, folder / ERRORS, size=(12.0, height), room=room, thickness=0.36 if errors.legend else 0.5)
-    nodes = draw_nodes(found.nodes, folder / EVERYWHERE)
+    nodes = draw_nodes(found.nodes, found.everywhere, folder / EVERYWHERE)
     return (*made, folder / ERRORS, *(() if nodes is None else (nodes,)))
 
 
@@ -454,7 +454,7 @@ class DiagnosisPage:
     def pictured(self, figures: doc.Figures) -> doc.Safe | None:
         """The same on the user's own mesh; nothing where nothing can be drawn."""
         with TemporaryDirectory() as folder, suppress(CheckFailed, ModuleNotFoundError):
-            if made := draw_nodes(self.found.nodes, Path(folder) / EVERYWHERE):
+            if made := draw_nodes(self.found.nodes, self.found.everywhere, Path(folder) / EVERYWHERE):
                 return parts.picture(parts.Picture(png=made.read_bytes(), said=f"Everywhere on the mesh. {NOTE}"))
         return None
 

@@ -559,9 +559,9 @@ def test_from_afar_nodes_are_asked_where_a_straight_line_promises_nothing(study,
         return (100.0 if first > 0 and node == own else 1.0), np.sign(first)
 
     monkeypatch.setattr(MeshSearch, "sized", sized)
-    monkeypatch.setattr(MeshSearch, "nearby", lambda self, kind, point, size: (point.tolist(), size))
-    assert mesh.best_node(scores, "point-mass") != (mesh.points[own].tolist(), 1.0)
-    assert mesh.best_node(scores, "point-mass", far=True) == (mesh.points[own].tolist(), 1.0)
+    monkeypatch.setattr(MeshSearch, "nearby", lambda self, kind, point, size: (0, point.tolist(), size))
+    assert mesh.best_node(scores, "point-mass")[1:3] != (mesh.points[own].tolist(), 1.0)
+    assert mesh.best_node(scores, "point-mass", far=True)[1:3] == (mesh.points[own].tolist(), 1.0)
 
 
 def test_from_afar_the_tops_of_other_hills_are_seen_that_may_come_up_to_the_best(study, monkeypatch):

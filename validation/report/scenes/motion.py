@@ -16,6 +16,7 @@ from fem.structure import Structure
 from geometry.atomic import write_with
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers, frozen
+from validation.diagnose.diagnosis import FoundNode
 from validation.diagnose.everywhere import MASS, RESONATOR, NodeScores
 from validation.report.charts.spec import FAINT, INK
 from validation.report.charts.static import ABOUT, require_format, save
@@ -517,7 +518,7 @@ WORDS = {
 
 EVIDENCE_MEANS = "evidence over that of the best node"
 
-NOTE = "Each node alone, to first order (the table's sizes are finite). Grey: nothing."
+NOTE = "Each node alone; best node and number as in the table. Grey: nothing."
 
 THIN = 0.004
 """[share] of the structure's size: of the stick that stands for a beam."""
@@ -594,15 +595,19 @@ def marks(points: Array, size: float) -> tuple[Array, Integers]:
     return (points[:, None] + size * _MARK).reshape(-1, 3), faces.astype(np.int64)
 
 
-def body_of(scores: NodeScores, kind: str) -> MovingBody:
-    """The structure as it is drawn, its colours those of the evidence for `kind`; nodes that nothing moves have none."""
-    evidence = np.maximum(scores.evidence[kind], 0.0)
+def body_of(scores: NodeScores, told: Sequence[FoundNode]) -> MovingBody:
+    """The structure as it is drawn, its colours those of the evidence for what is `told` of its nodes, the best first: there they
+    are what is told, and nowhere more than at the best. Nodes that nothing moves have none."""
+    evidence = np.maximum(scores.evidence[told[0].kind], 0.0)
+    evidence *= (told[0].evidence + told[0].looked) / max(float(evidence.max()), LEAST)
+    for one in reversed(told):
+        evidence[scores.nearest(one.position)] = one.evidence + one.looked
     shown = evidence[:, None] * np.array([1.0, 0.0, 0.0])
     return Outline.of(scores.structure, scores.points).moving(scores.article, shown)
 
 
-def draw_nodes(found: Sequence[NodeScores], path: Path) -> Path | None:
-    """Write what the data say of every node of the structures `found`, a picture each kind; none where nothing explains anything.
+def draw_nodes(found: Sequence[NodeScores], told: Sequence[FoundNode], path: Path) -> Path | None:
+    """Write what is `told` of the nodes of the structures `found`, a picture each kind; none where nothing explains anything.
 
     Raises
     ------
@@ -610,13 +615,13 @@ def draw_nodes(found: Sequence[NodeScores], path: Path) -> Path | None:
     """
     tiles: list[DrawnMode] = []
     for scores in found:
-        for kind, evidence in scores.evidence.items():
-            best = int(np.argmax(evidence))
-            if evidence[best] < LEAST:
+        for kind in scores.evidence:
+            own = [one for one in told if one.kind == kind and one.article == scores.article]
+            if not own or own[0].evidence + own[0].looked < LEAST:
                 continue
-            x, y, z = 1e3 * scores.points[best]
-            whose, bodies = f"{scores.article}: " if len(found) > 1 else "", (body_of(scores, kind),)
-            text = f"{whose}{evidence[best]:.1f} nats at ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+            x, y, z = 1e3 * np.array(own[0].position)
+            whose, bodies = f"{scores.article}: " if len(found) > 1 else "", (body_of(scores, own),)
+            text = f"{whose}{own[0].evidence:.1f} nats at ({x:.4g}, {y:.4g}, {z:.4g}) mm"
             tiles.append(DrawnMode(number=len(tiles) + 1, frequency=0.0, text=text, bodies=bodies, heading=WORDS[kind]))
     if not tiles:
         return None
