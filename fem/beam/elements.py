@@ -8,7 +8,7 @@ is constant in an element: a frequency's error falls with the fourth power of th
 in what shear adds, which matters on stubby beams only.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -133,6 +133,58 @@ def tube(outer_diameter: float, inner_diameter: float, material: Material) -> Se
         rotary_y=material.density * second,
         rotary_z=material.density * second,
     )
+
+
+SLIGHT = 1e-6
+"""Share of a size or of a moment below which plates have no offset or product: rounding. By definition."""
+
+SIZES = {"BAR": 2, "ROD": 1, "TUBE": 2, "TUBE2": 2, **dict.fromkeys(("BOX", "T", "L", "CHAN", "HAT"), 4), "I": 6}
+"""How many sizes a section of each kind has, behind which stands a mass per length."""
+
+
+def plated(kind: str, sizes: Sequence[float]) -> tuple[dict[str, float], tuple[float, float]]:
+    """Section of Nastran's `kind` of plates, and where along its y and z its middle is from the shear centre (0 of a hat).
+
+    Torsion of thin strips (Saint-Venant), of a box after Bredt; shear centres of thin walls (S. P. Timoshenko, Strength of
+    Materials, part II).
+
+    Raises
+    ------
+    ValueError : plates that are no such section.
+    """
+    a, b, s, t, *others = sizes
+    y, z = 0.0, 0.0  # of the shear centre; of every plate its middle along y and z, its height and its width
+    plates = [(b / 2, t / 2, b - 2 * s, t), (b / 2, a - t / 2, b - 2 * s, t), (s / 2, a / 2, s, a), (b - s / 2, a / 2, s, a)]
+    if kind == "BOX":
+        y, z = b / 2, a / 2
+    elif kind == "I":
+        below, top = others
+        y = below / 2 + (a - (below + top) / 2) * top * s**3 / (top * s**3 + below * b**3)
+        plates = [(below / 2, 0, below, b), (a - top / 2, 0, top, s), ((a + below - top) / 2, 0, a - below - top, t)]
+    elif kind == "T":
+        y, plates = b - s / 2, [(b - s / 2, 0, s, a), ((b - s) / 2, 0, b - s, t)]
+    elif kind == "L":
+        y, z, plates = s / 2, t / 2, [(s / 2, a / 2, s, a), ((b + s) / 2, t / 2, b - s, t)]
+    elif kind == "CHAN":
+        y, z = b / 2, s / 2 - 3 * t * (a - s / 2) ** 2 / (6 * t * (a - s / 2) + s * (b - t))
+        plates = [(t / 2, a / 2, t, a), (b - t / 2, a / 2, t, a), (b / 2, s / 2, b - 2 * t, s)]
+    else:
+        wall, brim = (s - b) / 2, (s + t) / 2
+        plates = [(a - b / 2, 0, b, s), *(((a - b) / 2, at, a - b, b) for at in (-wall, wall))]
+        plates += [(b / 2, at, b, t) for at in (-brim, brim)]
+    up, right, height, width = np.array(plates).T
+    if not np.all((height > 0) & (width > 0)) or (kind == "BOX" and 2 * t >= a):
+        raise ValueError(f"{', '.join(f'{one:g}' for one in sizes)} make no {kind}")
+    area = height * width
+    high, far = float(np.average(up, weights=area)), float(np.average(right, weights=area))
+    Iy, Iz = area @ ((up - high) ** 2 + height**2 / 12), area @ ((right - far) ** 2 + width**2 / 12)
+    J = np.maximum(height, width) @ np.minimum(height, width) ** 3 / 3
+    if kind == "BOX":
+        J = 2 * ((a - t) * (b - s)) ** 2 / ((a - t) / s + (b - s) / t)
+    product = area @ ((up - high) * (right - far))  # its z is Nastran's y, and its y is -z there
+    sums = {"area": area.sum(), "Iy": Iy, "Iz": Iz, "J": J} | ({"Iyz": -product} if abs(product) > SLIGHT * Iy else {})
+    y, z = (0.0 if kind == "HAT" or abs(one) <= SLIGHT * max(a, b) else one for one in (high - y, far - z))
+    return {name: float(one) for name, one in sums.items()}, (y, z)
 
 
 def cowper_rectangle(nu: float) -> float:

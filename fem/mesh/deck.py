@@ -11,7 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from fem.gravity import STANDARD
-from fem.mesh.deck_content import Deck, Elastic, numbers_of, read
+from fem.mesh import files
+from fem.mesh.constraints import Term
+from fem.mesh.deck_content import Deck, Elastic, numbers_of, read_cards
+from fem.mesh.deck_keywords import read_keywords
 from fem.user_model.units import KNOWN, UnitSystem, unit_system
 from geometry import toml_file
 from geometry.dynamic_mass import MOTIONS
@@ -42,6 +45,23 @@ def described(path: Path, units: str | None = None) -> tuple[str, tuple[str, ...
     """
     deck = read(path)
     return _text(path, deck, _system(deck, str(path), units)), tuple(deck.lost)
+
+
+def read(path: Path) -> Deck:
+    """The deck in `path`.
+
+    Raises
+    ------
+    BadInput : it cannot be read, or it has no elements.
+    """
+    mesh = files.read(path, lambda card: True)
+    try:
+        deck = read_keywords(path, mesh) if mesh.coordinates is None else read_cards(path, mesh, mesh.coordinates)
+    except (ValueError, IndexError, KeyError, ArithmeticError) as error:
+        problem = f"a record of it cannot be read: {type(error).__name__}, {error}"
+        raise BadInput(source=str(path), problem=problem, remedy="Check the deck; it may be cut short or damaged") from None
+    deck.settle()
+    return deck
 
 
 def _system(deck: Deck, source: str, named: str | None) -> UnitSystem:
@@ -107,7 +127,7 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
     held = holds.pop("", [])
     clamps = deck.clamps(held)
     interface = [*clamps, *(one for one in held if not clamps or one in deck.links)]
-    grounded = bool(holds) or any(len(ends) == 1 for ends, _ in deck.springs.values())
+    grounded = bool(holds) or any(len(one.ends) == 1 for one in deck.springs.values())
     pressure, density = system.mass / (system.length * system.time**2), deck.weight * system.mass / system.length**3
     mass, stiffness = deck.weight * system.mass, system.mass / system.time**2
     scale = {"area": 2, "Iy": 4, "Iz": 4, "J": 4, "Iyz": 4}
@@ -153,12 +173,16 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
             keys += [f"neutral_axis = {metres(one.neutral_axis)}"] if one.neutral_axis else []
             table["section"] = f"{{ {', '.join(keys)} }}"
         tables.append((f"parts.{toml_file.string(deck.mesh.called.get(name, name))}", table))
-    carriers = {**{node: name for name, (node, _) in deck.means.items()}, **deck.carriers}
+    carriers = {**{one.follower: name for name, one in deck.means.items()}, **deck.carriers}
     in_use = deck.numbers(1, 2, 3)
     points = dict(zip(deck.mesh.node_tags.tolist(), deck.mesh.points, strict=True))
 
     def at(node: int) -> str:
         return toml_file.string(carriers[node]) if node in carriers else str(node)
+
+    def term(of: Term) -> str:
+        factor, node, way = of
+        return f'[{factor * (system.length if way > 2 else 1.0):.12g}, {at(node)}, "{MOTIONS[way]}"]'
 
     def named(several: Iterable[int | str]) -> str:
         return _listed(str(one) if isinstance(one, int) else toml_file.string(one) for one in several)
@@ -170,13 +194,17 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
     for name, foot in clamps.items():
         middle = np.mean([points[node] for node in numbers_of(deck.mesh, foot)], axis=0)
         tables.append((f"links.{toml_file.string(name)}", {"at": metres(middle.tolist(), 12), "nodes": named(foot)}))
-    joined += [(name, node, "mean_of", followed) for name, (node, followed) in deck.means.items()]
+    joined += [(name, one.follower, "mean_of", list(one.shares)) for name, one in deck.means.items()]
     for name, node, key, nodes in joined:
         ways = {"directions": _directions(deck.riding[name])} if name in deck.riding else {}
-        shares, turning = deck.weights.get(name, ([], False)) if key == "mean_of" else ([], False)
-        ways |= {"weights": _listed(f"{one:.9g}" for one in shares)} if shares else {}
-        ways |= {"rotations": "true"} if turning else {}
+        if key == "mean_of":
+            shares = list(deck.means[name].shares.values())
+            ways |= {"weights": _listed(f"{one / max(shares):.9g}" for one in shares)} if len(set(shares)) > 1 else {}
+            ways |= {"rotations": "true"} if deck.means[name].rotations else {}
         tables.append((f"links.{toml_file.string(name)}", {"at": metres(points[node].tolist(), 12), key: named(nodes), **ways}))
+    for name, sums in deck.equations.items():
+        table = {"sums": "\n    ".join(["[", *(f"{_listed(map(term, one))}," for one in sums)]) + "\n]"}
+        tables.append((f"equations.{toml_file.string(name)}", table))
     for letters, held in holds.items():
         where = toml_file.string("-".join(MOTIONS[int(letter) - 1] for letter in letters))
         tables.append((f"holds.{where}", {"nodes": named(held), "directions": _directions(letters)}))
@@ -188,12 +216,15 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
             (xx, xy, xz), (_, yy, yz), (*_, zz) = (rider.moments * mass * system.length**2).tolist()
             table["moments"] = _listed(f'"{one:.9g} kg m^2"' for one in (xx, yy, zz, xy, xz, yz))
         tables.append((f"masses.{toml_file.string(name)}", table))
-    for name, (ends, own) in deck.springs.items():
+    for name, spring in deck.springs.items():
         factors = [stiffness] * 3 + [stiffness * system.length**2] * 3
-        words = ("N/m",) * 3 + ("N m/rad",) * 3
-        six = _listed(f'"{k * factor:.9g} {word}"' for k, factor, word in zip(own.tolist(), factors, words, strict=True))
-        place = {"at": at(ends[0])} if len(ends) == 1 else {"between": f"[{at(ends[0])}, {at(ends[1])}]"}
-        tables.append((f"springs.{toml_file.string(name)}", {**place, "stiffness": six}))
+        words, ends = ("N/m",) * 3 + ("N m/rad",) * 3, spring.ends
+        six = _listed(f'"{k * f:.9g} {word}"' for k, f, word in zip(spring.stiffness.tolist(), factors, words, strict=True))
+        table = {"at": at(ends[0])} if len(ends) == 1 else {"between": f"[{at(ends[0])}, {at(ends[1])}]"}
+        if spring.axes is not None:
+            table |= {f"{k}_axis": _listed(f"{one:.12g}" for one in row) for k, row in zip("xy", spring.axes, strict=False)}
+        table |= {} if spring.about is None else {"about": metres(spring.about.tolist(), 12)}
+        tables.append((f"springs.{toml_file.string(name)}", table | {"stiffness": six}))
     support = "ground" if interface or grounded else "free"
     stated = [card for card in deck.carried if not any(one.lstrip("*").startswith(f"{card} ") for one in deck.lost)]
     lines = [

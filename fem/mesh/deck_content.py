@@ -1,17 +1,20 @@
 """What a deck of Nastran, Abaqus or CalculiX says beside nodes and elements, by its own names and in its own units."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
-from fem.mesh import files
-from fem.mesh.deck_text import BASIC, Coordinates, System, deck_lines, keyword_of, real
+from fem.beam.elements import SIZES, plated
+from fem.mesh import constraints, files
+from fem.mesh.constraints import Motion, Sum, Term
+from fem.mesh.deck_text import BASIC, Coordinates, System, deck_lines, real
 from fem.mesh.description import SEAM
 from fem.mesh.files import MeshFile, cards, own_property
-from geometry.errors import BadInput
 from geometry.frames import Array
 
 ALIKE = 1e-6
@@ -21,6 +24,13 @@ ISOTROPIC = 0.05
 """Relative difference of a shear modulus from what E and NU make of it, above which bars twist otherwise; handbooks round."""
 
 TRANSLATIONS, ALL = frozenset("123"), frozenset("123456")
+
+HELD_AS = {"ENCASTRE": "123456", "PINNED": "123", "XSYMM": "156", "YSYMM": "246", "ZSYMM": "345"}
+"""What Abaqus calls freedoms that are held together."""
+
+
+Row = Sequence[str]
+"""Fields of a card, or some of them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,6 +94,51 @@ class Rider:
     moments: Array = field(default_factory=lambda: np.zeros((3, 3)))
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DeckSpring:
+    """Six stiffnesses between the nodes `ends`, or from one to the ground, along its `axes` (3, 3), `about` a point (3,) that
+    both reach by rigid arms, where it has those."""
+
+    ends: tuple[int, ...]
+    stiffness: Array
+    axes: Array | None = None
+    about: Array | None = None
+
+    @property
+    def acting(self) -> Array:
+        """How stiff (6,) it may be along the axes of the model; rotations, too, where arms reach it."""
+        found = np.abs(np.kron(np.eye(2), np.eye(3) if self.axes is None else self.axes).T) @ self.stiffness
+        return found if self.about is None else np.ones(6)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Mean:
+    """A node that follows in `ways` the mean of the `motions` of others, by their weights."""
+
+    follower: int
+    ways: str
+    motions: Mapping[Motion, float]
+
+    @property
+    def shares(self) -> dict[int, float]:
+        """Weight of each node by its number, the first one's in all its motions."""
+        found: dict[int, float] = {}
+        for (node, _), weight in self.motions.items():
+            found.setdefault(node, weight)
+        return found
+
+    @property
+    def rotations(self) -> bool:
+        return any(way > 2 for _, way in self.motions)
+
+    @property
+    def plain(self) -> bool:
+        """Whether whole translations, or whole motions, of others move it, each by one positive weight."""
+        shares, count = self.shares, 6 if self.rotations else 3
+        whole = self.motions == {(node, way): weight for node, weight in shares.items() for way in range(count)}
+        return whole and min(shares.values(), default=0.0) > 0 and set(self.ways) >= TRANSLATIONS
+
+
 @dataclass(kw_only=True)
 class Deck:
     """What is found in a deck, by its own names and numbers and in its own units.
@@ -95,14 +150,15 @@ class Deck:
     masses : node and what it carries, by name
     links : (independent node, groups and numbers of nodes that ride on it) by name, and the directions in which they do by
         `riding`, all where it has none
-    means : (node that follows, numbers of the nodes whose mean motion it has) by name; by `weights` with its (shares, none
-        where all are alike, and whether their rotations count)
-    springs : ((node,) or (node, other), six stiffnesses) by name
+    means : nodes that follow the mean motion of others, by name
+    equations : sums of motions that are zero, along the axes of their nodes until they are settled, by the name of what has them
+    springs : by name
     held : letters of "123456" that each node is held in, along its `axes` where it has some of its own (3, 3), as rows
     carried : cards that are carried over
     lost : sentences on what is not
     weight : what masses and densities are multiplied with (PARAM, WTMASS)
     loss_factor : of the whole structure beside those of its materials (PARAM, G)
+    loose : numbers of nodes at no element that move by themselves: they are tied to others, or hang on springs
     """
 
     mesh: MeshFile
@@ -111,15 +167,16 @@ class Deck:
     masses: dict[str, tuple[int, Rider]] = field(default_factory=dict)
     links: dict[str, tuple[int, list[int | str]]] = field(default_factory=dict)
     riding: dict[str, str] = field(default_factory=dict)
-    means: dict[str, tuple[int, list[int]]] = field(default_factory=dict)
-    weights: dict[str, tuple[list[float], bool]] = field(default_factory=dict)
-    springs: dict[str, tuple[tuple[int, ...], Array]] = field(default_factory=dict)
+    means: dict[str, Mean] = field(default_factory=dict)
+    equations: dict[str, list[Sum]] = field(default_factory=dict)
+    springs: dict[str, DeckSpring] = field(default_factory=dict)
     held: dict[int, set[str]] = field(default_factory=dict)
     axes: dict[int, Array] = field(default_factory=dict)
     carried: dict[str, None] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)
     weight: float = 1.0
     loss_factor: float = 0.0
+    loose: set[int] = field(default_factory=set)
 
     @property
     def carriers(self) -> dict[int, str]:
@@ -135,57 +192,123 @@ class Deck:
         """Note that `what` is not carried over."""
         self.lost.append(f"{what}: {why}")
 
+    @cached_property
+    def points(self) -> dict[int, Array]:
+        """Where each node is, by its number."""
+        return dict(zip(self.mesh.node_tags.tolist(), self.mesh.points, strict=True))
+
     def settle(self) -> None:
         """What stands at a node that is not there is lost; what rides in all directions in which it moves rides whole."""
         there = set(self.mesh.node_tags.tolist())
         self._hold_along_the_axes_of_the_model()
         self._lose_what_is_made_of_nothing()
-        nodes = {name: [node] for name, (node, *_) in (*self.masses.items(), *self.links.items())}
-        nodes |= {name: [node, *others] for name, (node, others) in self.means.items()}
-        nodes |= {name: list(ends) for name, (ends, _) in self.springs.items()}
+        nodes = {name: {node} for name, (node, *_) in (*self.masses.items(), *self.links.items())}
+        nodes |= {name: {one.follower, *one.shares} for name, one in self.means.items()}
+        nodes |= {name: set(one.ends) for name, one in self.springs.items()}
+        nodes |= {name: {node for one in sums for _, node, _ in one} for name, sums in self.equations.items()}
         for name, own in nodes.items():
-            if not own or not set(own) <= there:
-                for table in (self.masses, self.links, self.means, self.springs):
+            if not own or not own <= there:
+                for table in (self.masses, self.links, self.means, self.springs, self.equations):
                     table.pop(name, None)
                 self.lose(name, "it stands at a node that is not there")
-        bare = there - self.numbers(1, 2, 3) - set(self.carriers) - {n for n, _ in self.means.values()}
-        bare -= {node for _, riders in self.links.values() for node in numbers_of(self.mesh, riders)}
-        for name, (ends, stiffness) in list(self.springs.items()):
-            acts = {str(k + 1) for k in np.flatnonzero(stiffness)}
-            kept = tuple(end for end in ends if not (end in bare and acts <= self.held.get(end, set())))
-            if set(kept) & bare:
-                del self.springs[name]
-                self.lose(name, "it ends at a node that nothing else is at, and that is not held")
-            elif kept != ends:  # the other end is the ground's
-                self.springs[name] = kept, stiffness
         turning = self.turning  # what does not turn need not be carried in rotation
         for name, (_, riders) in self.links.items():
             if set(self.riding[name]) >= (ALL if turning & set(numbers_of(self.mesh, riders)) else TRANSLATIONS):
                 del self.riding[name]
-        structural = self.numbers(1, 2, 3)
-        for name, directions in list(self.riding.items()):
-            if self.links[name][0] in structural:
-                del self.links[name], self.riding[name]
-                self.lose(name, f"it carries its nodes in {directions} alone, from a node of the structure itself")
-        for name, (node, _) in list(self.means.items()):
-            if node in structural or node in self.carriers:
-                del self.means[name]
-                self.lose(name, f"node {node} follows others, and is part of the structure itself")
+        self._settle_links()
+        self._settle_equations()
+        structural, carried = self.numbers(1, 2, 3), {one.follower for one in self.means.values()} | self.carriers.keys()
+        tied = {node for sums in self.equations.values() for one in sums for _, node, _ in one}
+        tied |= {node for _, riders in self.links.values() for node in numbers_of(self.mesh, riders)}
+        bare = there - structural - carried - tied
+        heavy = {node for node, _ in self.masses.values()}
+        ends = Counter(end for one in self.springs.values() for end in one.ends)
+        heavy |= {end for end, count in ends.items() if count > 1}  # from one spring to the next
+        for name, one in list(self.springs.items()):
+            acts = {str(k + 1) for k in np.flatnonzero(one.acting)}
+            kept = tuple(end for end in one.ends if not (end in bare - heavy and acts <= self.held.get(end, set())))
+            if set(kept) & bare - heavy:
+                del self.springs[name]
+                self.lose(name, "it ends at a node that nothing else is at, and that is not held")
+            elif kept != one.ends:  # the other end is the ground's
+                self.springs[name] = replace(one, ends=kept)
+        self.loose = (bare & {end for one in self.springs.values() for end in one.ends}) | (tied - structural - carried)
+        for name, (node, _) in list(self.masses.items()):
+            if node in bare - self.loose:
+                del self.masses[name]
+                self.lose(name, "it stands at a node that nothing else is at")
+
+    def _settle_links(self) -> None:
+        """What rides on a node that follows others, beside another link, or along axes of its own, is told by equations."""
+        structural, points = self.numbers(1, 2, 3), self.points
+        riders = {name: numbers_of(self.mesh, own) for name, (_, own) in self.links.items()}
+        led = {node for own in riders.values() for node in own} | {one.follower for one in self.means.values()}
+        ridden, carrying = set[int](), set[int]()
+        for name, (carrier, _) in list(self.links.items()):
+            ways, own = self.riding.get(name), set(riders[name])
+            askew = ways is not None and (carrier in structural or own & self.axes.keys())
+            beside = own & ridden or carrier in carrying or (carrier in led - own and carrier not in structural)
+            if askew or beside or (carrier in structural and carrier in ridden):
+                following = [(node, int(way) - 1) for node in riders[name] for way in ways or "123456" if node != carrier]
+                six = {(carrier, way): 1.0 for way in range(6)}
+                self.equations[name] = constraints.following(points, following, six, self.axes)
+                del self.links[name]
+                self.riding.pop(name, None)
+            else:
+                ridden |= own | ({carrier} & structural)
+                carrying.add(carrier)
+        stated = {node for sums in self.equations.values() for one in sums for _, node, _ in one} | ridden | carrying | structural
+        stated |= self.held.keys()
+        several = [one.follower for one in self.means.values()]
+        stated |= {node for one in self.means.values() for node in one.shares} | {n for n in several if several.count(n) > 1}
+        for name, one in list(self.means.items()):
+            if one.plain and one.follower not in stated:
+                continue
+            arm = float(np.mean([np.linalg.norm(points[node] - points[one.follower]) for node in one.shares]))
+            follower = [(one.follower, int(way) - 1) for way in one.ways]
+            del self.means[name]
+            try:
+                self.equations[name] = constraints.following(points, follower, one.motions, self.axes, arm)
+            except ValueError as error:
+                self.lose(name, str(error))
+
+    def _settle_equations(self) -> None:
+        """Along the axes of the model, and without rotations of nodes that do not turn."""
+        still, leaning = self.numbers(1, 2, 3) - self.turning, set[int]()
+        for name, sums in list(self.equations.items()):
+            found = list[Sum]()
+            for (factor, node, way), *others in sums:
+                if way > 2 and node in still:
+                    continue
+                terms = sorted(self._along(factor, node, way), key=lambda term: -abs(term[0]))
+                terms += [one for term in others for one in self._along(*term)]
+                leaning |= {node for _, node, way in terms if way > 2 and node in still}
+                found.append(tuple(term for term in terms if not (term[2] > 2 and term[1] in still)))
+            self.equations[name] = found
+            if not found:
+                del self.equations[name]
+        if leaning:
+            nodes = files.joined(sorted(leaning))
+            self.lose(f"rotations of nodes {nodes}", f"{len(leaning)} that are of solids, do not turn, and are to move others")
+
+    def _along(self, factor: float, node: int, way: int) -> list[Term]:
+        """A motion along the axes of its node as motions along those of the model."""
+        if node not in self.axes:
+            return [(factor, node, way)]
+        shares = enumerate(self.axes[node][way % 3].tolist(), start=way - way % 3)
+        return [(factor * share, node, k) for k, share in shares if abs(share) > ALIKE]
 
     def _hold_along_the_axes_of_the_model(self) -> None:
-        """Nodes that are held along axes of their own are so along those of the model that span the same, or are lost."""
-        askew: list[int] = []
+        """Nodes that are held along axes of their own are so along those of the model that span the same, else by equations."""
         for node in self.axes.keys() & self.held.keys():
             for three in ("123", "456"):
-                rows = self.axes[node][[k for k, letter in enumerate(three) if letter in self.held[node]]]
-                span = rows.T @ rows
-                along = {three[k] for k in np.flatnonzero(np.diag(span) > 0.5)}
-                if np.abs(span - np.diag(np.round(np.diag(span)))).max() > ALIKE:
-                    askew, along = [*askew, node], set()
-                self.held[node] = self.held[node] - set(three) | along
-        if askew:
-            nodes = files.joined(sorted(set(askew)))
-            self.lose(f"where nodes {nodes} are held", "along axes of their own (CD, *TRANSFORM) that are not those of the model")
+                ways = [int(letter) - 1 for letter in sorted(self.held[node] & set(three))]
+                rows = self.axes[node][[way % 3 for way in ways]]
+                along = np.diag(rows.T @ rows)
+                if np.abs(rows.T @ rows - np.diag(np.round(along))).max() > ALIKE:
+                    self.equations.setdefault("held along axes of nodes", []).extend(((1.0, node, way),) for way in ways)
+                    along = np.zeros(3)
+                self.held[node] = self.held[node] - set(three) | {three[k] for k in np.flatnonzero(along > 0.5)}
 
     def _lose_what_is_made_of_nothing(self) -> None:
         """Elements of the highest dimension without a property."""
@@ -200,36 +323,70 @@ class Deck:
         self.carried[card] = None
 
     def spread(self, name: str, fields: Sequence[str]) -> None:
-        """A node that follows the mean motion of others, by their weights; by their rotations as well, or not at all."""
-        f = [*fields, *6 * [""]]
+        """RBE3: a node that follows the mean motion of others, by their weights; what is condensed (UM) is all one."""
+        f, motions = [*fields, *6 * [""]], dict[Motion, float]()
         words = [text.upper() for text in f[4:] if text]
-        words = words[: words.index("ALPHA")] if "ALPHA" in words else words
-        words = [] if "UM" in words else words  # other freedoms than its own depend
-        weights, freedoms, several = list[float](), set[str](), list[int]()
+        words = words[: next((k for k, word in enumerate(words) if word in ("UM", "ALPHA")), len(words))]
         while words:
             weight, components = real(words.pop(0)), words.pop(0) if words else ""
             count = next((k for k, word in enumerate(words) if not (word.isdigit() or word == "THRU")), len(words))
             nodes, words = _listed(words[:count], name, self), words[count:]
-            several, weights = [*several, *nodes], [*weights, *len(nodes) * [weight]]
-            freedoms.add("".join(sorted(components)))
-        known = freedoms in ({"123"}, {"123456"}) and set(f[3]) >= TRANSLATIONS
-        if not known or min(weights, default=0.0) <= 0:
-            self.lose(name, "freedoms other than 123 or 123456, UM, or a weight that is not positive")
-            return
-        self.means[name] = int(f[2]), several
-        self.weights[name] = [one / max(weights) for one in weights] if len(set(weights)) > 1 else [], freedoms == {"123456"}
+            for motion in ((node, int(way) - 1) for node in nodes for way in sorted(components)):
+                motions[motion] = motions.get(motion, 0.0) + weight
+        self.means[name] = Mean(follower=int(f[2]), ways=f[3], motions=motions)
         self.carried["RBE3"] = None
 
-    def hold(self, text: str, fixed: Mapping[str, Sequence[Sequence[str]]]) -> None:
-        """The set of constraints that the case control calls; the only one where it calls none."""
-        called = re.findall(r"^\s*SPC\s*=\s*(\w+)", text.upper().partition("BEGIN BULK")[0], re.MULTILINE)
-        chosen = [one for one in dict.fromkeys(called) if one in fixed] or list(fixed)
-        if len(chosen) > 1:
-            self.lose(f"SPC sets {', '.join(chosen)}", "more than one, and none that is called alone")
+    def bar(self, card: str, f: Sequence[str], turning: set[int]) -> None:
+        """RBAR, RBAR1, RBE1 and RJOINT: a rigid body of which six motions lead and others follow, all where none are said."""
+        name = f"{card} {f[0]}"
+        if card == "RBE1":
+            words = [text.upper() for text in f[1:] if text]
+            words = words[: words.index("ALPHA")] if "ALPHA" in words else words
+            ends = words[: words.index("UM")], words[words.index("UM") + 1 :]
+        elif card == "RBAR":
+            ends = [f[1], f[3], f[2], f[4]], [f[1], f[5], f[2], f[6]]
+        else:
+            ends = [f[1], "123456"], [f[2], f[3] or "123456"]
+        leading, following = (_motions(one[::2], one[1::2]) for one in ends)
+        following = following or [one for one in _motions(ends[0][::2], 2 * ["123456"]) if one not in leading]
+        whole = {way for _, way in following} == set(range(6)) or not turning & {node for node, _ in following}
+        carriers = {node for node, _ in leading}
+        if len(carriers) == 1 and len(leading) == 6 and whole and carriers.isdisjoint(node for node, _ in following):
+            self.ride(card, name, carriers.pop(), "123456", list(dict.fromkeys(node for node, _ in following)))
             return
-        for components, *nodes in (row for one in chosen for row in fixed[one]):
-            for node in nodes:
-                self.held.setdefault(int(node), set()).update(components)
+        try:
+            self.equate(card, name, constraints.following(self.points, following, dict.fromkeys(leading, 1.0), self.axes))
+        except ValueError as error:
+            self.lose(name, str(error))
+
+    def equate(self, card: str, name: str, sums: Iterable[Sum]) -> None:
+        """Note `sums` that are zero; those of terms that all are zero say nothing."""
+        told = (tuple(term for term in one if term[0]) for one in sums)
+        self.equations.setdefault(name, []).extend(one for one in told if one)
+        self.carried[card] = None
+
+    def chosen(self, word: str, text: str, sets: Mapping[str, list[Row]]) -> list[Row]:
+        """Rows of the set of constraints, SPC or MPC by `word`, that the case control calls; the only one where it calls none."""
+        head = text.upper().partition("BEGIN BULK")[0]
+        called = re.findall(rf"^\s*{word}\s*=\s*(\w+)", head, re.MULTILINE)
+        chosen = [one for one in dict.fromkeys(called) if one in sets] or list(sets)
+        if word == "MPC" and sets and not called and re.search(r"^\s*CEND", head, re.MULTILINE):
+            self.lose(f"MPC sets {', '.join(sets)}", "the case control calls none, and Nastran leaves them out")
+            return []
+        if len(chosen) > 1:
+            self.lose(f"{word} sets {', '.join(chosen)}", "more than one, and none that is called alone")
+            return []
+        return [row for one in chosen for row in sets[one]]
+
+    def turn_spring(self, name: str) -> None:
+        """A spring acts along the axes of its nodes; it is lost where these differ."""
+        one = self.springs[name]
+        first, *others = [self.axes.get(node, np.eye(3)) for node in one.ends]
+        if any(np.abs(first - other).max() > ALIKE for other in others):
+            del self.springs[name]
+            self.lose(name, "its nodes have different axes of their own (CD, *TRANSFORM)")
+        elif one.ends[0] in self.axes:
+            self.springs[name] = replace(one, axes=first)
 
     def rod_property(self, card: str, f: Sequence[str]) -> None:
         """Of rods with an area and a stiffness in torsion, or of tubes with a diameter and a wall."""
@@ -289,14 +446,14 @@ class Deck:
             elif kind in ("TUBE", "TUBE2"):
                 section = {"outer_diameter": 2 * d[0], "inner_diameter": 2 * (d[1] if kind == "TUBE" else d[0] - d[1])}
             elif kind in ("BOX", "I", "T", "L", "CHAN", "HAT"):
-                section, (up, right) = plated(kind, [real(text) for text in f[8 : 8 + _SIZES[kind]]])
+                section, (up, right) = plated(kind, [real(text) for text in f[8 : 8 + SIZES[kind]]])
                 neutral_axis = (-right, up) if card == "PBEAML" else ()
                 if card == "PBEAML" and kind == "HAT":
                     self.lose(name, "where a hat has its shear centre, about which it twists")
             else:
                 self.lose(name, f"a section of kind {kind}")
-            added = real(f[8 + _SIZES.get(kind, 0)]) if section else 0.0
-            if card == "PBEAML" and f[9 + _SIZES.get(kind, 0)]:
+            added = real(f[8 + SIZES.get(kind, 0)]) if section else 0.0
+            if card == "PBEAML" and f[9 + SIZES.get(kind, 0)]:
                 self.lose(name, "a taper; it is as at its first end")
         shear = tuple(one or np.inf for one in shear) if any(shear) and len(section) > 1 else ()
         off = neutral_axis if any(neutral_axis) else ()
@@ -340,7 +497,7 @@ class Deck:
         for who, *what in rows:
             word, last, size, *_ = (*what, "", "", "")
             first = word if word.isdigit() else ""
-            letters = _HELD_AS.get(word.upper(), "".join(map(str, range(int(first or 1), min(int(last or first or 0), 6) + 1))))
+            letters = HELD_AS.get(word.upper(), "".join(map(str, range(int(first or 1), min(int(last or first or 0), 6) + 1))))
             if real(size):
                 self.lose(f"*BOUNDARY {who}", "held away from where it stands")
             for node in numbers_of(self.mesh, [int(who) if who.isdigit() else who]):
@@ -363,10 +520,11 @@ class Deck:
         """What is held, by the directions, such as "13", in which it is; under "" what is held in all in which it could move."""
         carriers, found = set(self.carriers), dict[str, set[int]]()
         turning = self.turning | carriers
-        for node in (self.numbers(1, 2, 3) | carriers) & set(self.held):
-            able = ALL if node in turning else TRANSLATIONS
+        for node in (self.numbers(1, 2, 3) | carriers | self.loose) & set(self.held):
+            able = ALL if node in turning | self.loose else TRANSLATIONS
             if held := self.held[node] & able:
-                found.setdefault("" if held == able else "".join(sorted(held)), set()).add(node)
+                whole = held == able and node not in self.loose
+                found.setdefault("" if whole else "".join(sorted(held)), set()).add(node)
         return {directions: self._named(nodes) for directions, nodes in found.items()}
 
     def clamps(self, held: Sequence[int | str]) -> dict[str, list[int | str]]:
@@ -405,72 +563,6 @@ class Deck:
         return [*names, *sorted(left)]
 
 
-_SIZES = {"BAR": 2, "ROD": 1, "TUBE": 2, "TUBE2": 2, **dict.fromkeys(("BOX", "T", "L", "CHAN", "HAT"), 4), "I": 6}
-"""How many sizes a section of each kind has, behind which stands a mass per length."""
-
-
-def plated(kind: str, sizes: Sequence[float]) -> tuple[dict[str, float], tuple[float, float]]:
-    """Section of Nastran's `kind` of plates, and where along its y and z its middle is from the shear centre (0 of a hat).
-
-    Torsion of thin strips (Saint-Venant), of a box after Bredt; shear centres of thin walls (S. P. Timoshenko, Strength of
-    Materials, part II).
-
-    Raises
-    ------
-    ValueError : plates that are no such section.
-    """
-    a, b, s, t, *others = sizes
-    y, z = 0.0, 0.0  # of the shear centre; of every plate its middle along y and z, its height and its width
-    plates = [(b / 2, t / 2, b - 2 * s, t), (b / 2, a - t / 2, b - 2 * s, t), (s / 2, a / 2, s, a), (b - s / 2, a / 2, s, a)]
-    if kind == "BOX":
-        y, z = b / 2, a / 2
-    elif kind == "I":
-        below, top = others
-        y = below / 2 + (a - (below + top) / 2) * top * s**3 / (top * s**3 + below * b**3)
-        plates = [(below / 2, 0, below, b), (a - top / 2, 0, top, s), ((a + below - top) / 2, 0, a - below - top, t)]
-    elif kind == "T":
-        y, plates = b - s / 2, [(b - s / 2, 0, s, a), ((b - s) / 2, 0, b - s, t)]
-    elif kind == "L":
-        y, z, plates = s / 2, t / 2, [(s / 2, a / 2, s, a), ((b + s) / 2, t / 2, b - s, t)]
-    elif kind == "CHAN":
-        y, z = b / 2, s / 2 - 3 * t * (a - s / 2) ** 2 / (6 * t * (a - s / 2) + s * (b - t))
-        plates = [(t / 2, a / 2, t, a), (b - t / 2, a / 2, t, a), (b / 2, s / 2, b - 2 * t, s)]
-    else:
-        wall, brim = (s - b) / 2, (s + t) / 2
-        plates = [(a - b / 2, 0, b, s), *(((a - b) / 2, at, a - b, b) for at in (-wall, wall))]
-        plates += [(b / 2, at, b, t) for at in (-brim, brim)]
-    up, right, height, width = np.array(plates).T
-    if not np.all((height > 0) & (width > 0)) or (kind == "BOX" and 2 * t >= a):
-        raise ValueError(f"{', '.join(f'{one:g}' for one in sizes)} make no {kind}")
-    area = height * width
-    high, far = float(np.average(up, weights=area)), float(np.average(right, weights=area))
-    Iy, Iz = area @ ((up - high) ** 2 + height**2 / 12), area @ ((right - far) ** 2 + width**2 / 12)
-    J = np.maximum(height, width) @ np.minimum(height, width) ** 3 / 3
-    if kind == "BOX":
-        J = 2 * ((a - t) * (b - s)) ** 2 / ((a - t) / s + (b - s) / t)
-    product = area @ ((up - high) * (right - far))  # its z is Nastran's y, and its y is -z there
-    sums = {"area": area.sum(), "Iy": Iy, "Iz": Iz, "J": J} | ({"Iyz": -product} if abs(product) > ALIKE * Iy else {})
-    y, z = (0.0 if kind == "HAT" or abs(one) <= ALIKE * max(a, b) else one for one in (high - y, far - z))
-    return {name: float(one) for name, one in sums.items()}, (y, z)
-
-
-def read(path: Path) -> Deck:
-    """The deck in `path`.
-
-    Raises
-    ------
-    BadInput : it cannot be read, or it has no elements.
-    """
-    mesh = files.read(path, lambda card: True)
-    try:
-        deck = _abaqus(path, mesh) if mesh.coordinates is None else _nastran(path, mesh, mesh.coordinates)
-    except (ValueError, IndexError, KeyError, ArithmeticError) as error:
-        problem = f"a record of it cannot be read: {type(error).__name__}, {error}"
-        raise BadInput(source=str(path), problem=problem, remedy="Check the deck; it may be cut short or damaged") from None
-    deck.settle()
-    return deck
-
-
 # Nastran: bulk data. Cards of one property have its number; fields behind the card's name are numbered from 0.
 
 _IDLE = re.compile(
@@ -481,12 +573,14 @@ _IDLE = re.compile(
 """Cards that neither weigh nor hold nor join in a linear structure, or are read with the mesh."""
 
 
-def _nastran(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
-    deck, fixed = Deck(mesh=mesh), dict[str, list[list[str]]]()
+def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
+    deck, fixed = Deck(mesh=mesh), dict[str, list[Row]]()
     whole = "\n".join(line.text for line in deck_lines(path))
     point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
-    springs, laws = list[list[str]](), dict[str, list[str]]()
+    deck.axes = {node: axes for node in point if (axes := where.freedoms(node)) is not None}
+    springs, laws, bars = list[list[str]](), dict[str, list[str]](), list[tuple[str, list[str]]]()
     shells, together, thick = dict[str, list[str]](), dict[str, list[str]](), dict[str, None]()
+    several = dict[str, list[Row]]()
     for card, *own in cards(path):
         f = [*own, *(40 * [""])]
         name = f"{card} {f[0]}"
@@ -531,20 +625,13 @@ def _nastran(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
             deck.masses[name] = node, Rider(mass=real(f[3]), cog=aside, moments=inertia)
             deck.carried[card] = None
         elif card == "RBE2":
-            riders = _listed(f[3:], name, deck)
-            if {*f[2]} != ALL and any(where.freedoms(node) is not None for node in riders if node in point):
-                deck.lose(name, f"in {f[2]} along the freedoms of nodes that have axes of their own (CD)")
-            else:
-                deck.ride(card, name, int(f[1]), f[2], riders)
+            deck.ride(card, name, int(f[1]), f[2], _listed([text for text in f[3:] if "." not in text], name, deck))  # no ALPHA
+        elif card in ("RBAR", "RBAR1", "RBE1", "RJOINT"):
+            bars.append((card, f))
         elif card == "RBE3":
             deck.spread(name, own)
         elif card in ("CELAS1", "CELAS2", "CBUSH"):
-            stated = card == "CBUSH" and bool(f[7])  # in a system of its own; else along the freedoms of its nodes
-            ends = [int(text) for text in (f[2:4] if card == "CBUSH" else f[2:6:2]) if text.isdigit()]
-            if not stated and any(where.freedoms(end) is not None for end in ends if end in point):
-                deck.lose(name, "along the freedoms of a node that has axes of its own (CD)")
-            else:
-                springs.append([card, *f])
+            springs.append([card, *f])
         elif card in ("PELAS", "PBUSH"):
             laws[f"{card} {f[0]}"] = f
             laws |= {f"{card} {f[4]}": f[4:]} if card == "PELAS" and f[4] else {}
@@ -554,8 +641,10 @@ def _nastran(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
             fixed.setdefault(f[0], []).extend([f[k + 1], f[k]] for k in (1, 4) if f[k])
             if any(real(f[k]) for k in (3, 6)):
                 deck.lose(name, "held away from where it stands")
-        elif card == "SPCADD":
-            together[f[0]] = [text for text in f[1:] if text]
+        elif card == "MPC":
+            several.setdefault(f[0], []).append([text for k in range(0, len(own), 8) for text in f[k + 1 : k + 7]])
+        elif card in ("SPCADD", "MPCADD"):
+            together[f"{card} {f[0]}"] = [text for text in f[1:] if text]
         elif card == "GRID":
             if letters := where.grid(int(f[0]))[6].strip("0"):
                 deck.held.setdefault(int(f[0]), set()).update(letters)
@@ -582,12 +671,30 @@ def _nastran(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
         t = sum(thickness for _, thickness, _ in layers) or t
         deck.properties[number] = Property(material=f[1], thickness=t, layers=layers, added=real(f[7]))
     for card, *f in springs:
-        _spring(deck, card, f, laws, point)
+        _spring(deck, card, f, laws, where)
+    turning = deck.turning if bars else set[int]()
+    for card, f in bars:
+        deck.bar(card, f, turning)
     if not re.search(r"^\s*ENDDATA", whole, re.IGNORECASE | re.MULTILINE):
         deck.lose("the end", "there is no ENDDATA, and the deck may be cut short")
-    deck.hold(whole, fixed | {sid: [row for one in several for row in fixed.get(one, [])] for sid, several in together.items()})
-    deck.axes = {node: axes for node in deck.held if node in point and (axes := where.freedoms(node)) is not None}
+    for word, sets in (("SPC", fixed), ("MPC", several)):
+        added = {key.split()[1]: numbers for key, numbers in together.items() if key.startswith(word)}
+        sets |= {sid: [row for one in numbers for row in sets.get(one, [])] for sid, numbers in added.items()}
+    for components, *nodes in deck.chosen("SPC", whole, fixed):
+        for text in nodes:
+            deck.held.setdefault(int(text), set()).update(components)
+    for k, row in enumerate(deck.chosen("MPC", whole, several), start=1):
+        rows = [row[n : n + 3] for n in range(0, len(row), 3) if row[n]]
+        if any(not 1 <= int(way or 0) <= 6 for _, way, _ in rows):
+            deck.lose(f"MPC {k}", "a scalar point is in it")
+        else:
+            deck.equate("MPC", "MPC", [tuple((real(factor), int(node), int(way) - 1) for node, way, factor in rows)])
     return deck
+
+
+def _motions(nodes: Iterable[str], ways: Iterable[str]) -> list[Motion]:
+    """Of each node those that its letters name."""
+    return [(int(node), int(way) - 1) for node, letters in zip(nodes, ways, strict=True) if node for way in sorted(letters)]
 
 
 def _listed(fields: Sequence[str], name: str, deck: Deck) -> list[int]:
@@ -606,16 +713,32 @@ def _listed(fields: Sequence[str], name: str, deck: Deck) -> list[int]:
     return found
 
 
-def _spring(deck: Deck, card: str, f: Sequence[str], laws: Mapping[str, Sequence[str]], point: Mapping[int, Array]) -> None:
-    name = f"{card} {f[0]}"
+def _spring(deck: Deck, card: str, f: Sequence[str], laws: Mapping[str, Sequence[str]], where: Coordinates) -> None:
+    name, points = f"{card} {f[0]}", deck.points
     if card == "CBUSH":
-        law, ends = laws.get(f"PBUSH {f[1] or f[0]}"), [int(text) for text in f[2:4] if text.isdigit() and int(text)]
-        apart = len(ends) == 2 and bool(np.any(point[ends[0]] != point[ends[1]]))
-        six = np.array([real(text) for text in law[2:8]] if law else [])
-        turned = f[7] != "0" and (f[7] or apart or any(f[4:7])) and max(len(set(six[:3])), len(set(six[3:]))) > 1
-        if law is None or law[1].upper() != "K" or turned:
-            deck.lose(name, "no PBUSH with K, or in axes of its own")
+        law, ends = laws.get(f"PBUSH {f[1] or f[0]}", []), [int(text) for text in f[2:4] if text.isdigit() and int(text)]
+        at = next((k for k in range(1, len(law), 8) if law[k].upper() == "K"), 0)
+        if not at or not set(ends) <= points.keys() or f[9] not in ("", "-1"):
+            why = "no PBUSH with K" if not at else "it lies beside the line between its nodes (OCID)"
+            deck.lose(name, why if set(ends) <= points.keys() else "it stands at a node that is not there")
             return
+        six = np.array([real(text) for text in law[at + 1 : at + 7]])
+        line = points[ends[-1]] - points[ends[0]]
+        to = points[int(f[4])] - points[ends[0]] if f[4].isdigit() and not f[5] and int(f[4]) in points else None
+        if to is None and any(f[4:7]):
+            to = np.array([real(text) for text in f[4:7]]) @ deck.axes.get(ends[0], np.eye(3))
+        axes = None
+        if f[7]:
+            axes = where.system(f[7]).directions(points[ends[0]])
+        elif line.any():
+            beside = np.eye(3)[np.argmin(np.abs(line))] if to is None else to
+            axes = System.spanned("R", line, np.cross(line, beside), line).axes
+        unclear = to is None and line.any() and not f[7] and (six[1] != six[2] or six[4] != six[5])
+        if unclear or (not f[7] and not line.any() and (to is not None or deck.axes.keys() & set(ends))):
+            deck.lose(name, "which way it is turned is neither stated nor told by its nodes")
+            return
+        about = points[ends[0]] + (real(f[8]) if f[8] else 0.5) * line if line.any() else None
+        deck.springs[name] = DeckSpring(ends=tuple(ends), stiffness=six, axes=axes, about=about)
     else:
         stiffness = real(f[1] if card == "CELAS2" else laws.get(f"PELAS {f[1] or f[0]}", ("", ""))[1])
         pairs = [(int(f[k]), f[k + 1]) for k in (2, 4) if f[k].isdigit() and int(f[k])]
@@ -625,11 +748,12 @@ def _spring(deck: Deck, card: str, f: Sequence[str], laws: Mapping[str, Sequence
             return
         six = np.zeros(6)
         six[int(along.pop()) - 1] = stiffness
-    deck.springs[name] = tuple(ends), six
+        deck.springs[name] = DeckSpring(ends=tuple(ends), stiffness=six)
+        deck.turn_spring(name)
     deck.carried[card] = None
 
 
-def _called(mesh: MeshFile, name: str) -> str:
+def called(mesh: MeshFile, name: str) -> str:
     """The group that a deck means, to whom capitals are no different from small letters."""
     return next((own for own in mesh.names if own.upper() == name.upper()), name)
 
@@ -639,162 +763,5 @@ def numbers_of(mesh: MeshFile, named: Iterable[int | str]) -> list[int]:
     return [
         node
         for one in named
-        for node in ([one] if isinstance(one, int) else mesh.node_tags[mesh.nodes_of(_called(mesh, one))].tolist())
+        for node in ([one] if isinstance(one, int) else mesh.node_tags[mesh.nodes_of(called(mesh, one))].tolist())
     ]
-
-
-# Abaqus and CalculiX: keywords with rows of data, of the model and of its first step.
-
-FIBRES = {"LAMINA": range(6), "ENGINEERING CONSTANTS": (0, 1, 3, 6, 7, 8)}
-"""Where moduli along and across fibres, Poisson's ratio and shear moduli 12, 13 and 23 stand, by the type of elasticity."""
-
-_HELD_AS = {"ENCASTRE": "123456", "PINNED": "123", "XSYMM": "156", "YSYMM": "246", "ZSYMM": "345"}
-
-
-def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
-    """Keyword, options and rows of fields, to the end of the first step; nodes and elements come without their rows."""
-    keyword, options, rows, steps = "", dict[str, str](), list[list[str]](), 0
-    for line in deck_lines(path):
-        text = line.text.strip()
-        if not text.startswith("*"):
-            meshed = keyword == "ELEMENT" and options.get("TYPE", "").upper() not in files.LOOSE
-            heavy = meshed or keyword in ("NODE", "NSET", "ELSET")
-            rows += [] if heavy else [[one.strip() for one in text.split(",")]]
-            continue
-        if keyword:
-            yield keyword, options, rows
-        (keyword, options), rows = keyword_of(text), []
-        steps += keyword == "STEP"
-        if steps > 1:
-            return
-    yield keyword, options, rows
-
-
-def _abaqus(path: Path, mesh: MeshFile) -> Deck:
-    deck, material, open_step = Deck(mesh=mesh), "", False
-    elastic, dense, losses = dict[str, list[str]](), dict[str, float](), dict[str, float]()
-    point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
-    loose, fibres, oriented = dict[str, list[tuple[str, list[int]]]](), dict[str, list[float]](), dict[str, str]()
-    # Carriers of rigid bodies by the nodes whose displacements are their rotations; and orientations
-    turning, ways = dict[int, int](), dict[str, tuple[tuple[float, ...], float]]()
-    for keyword, options, rows in _blocks(path):
-        o, first = {key: value.upper() for key, value in options.items()}, (rows or [[""]])[0]
-        group = _called(mesh, options.get("ELSET", ""))
-        name = f"*{keyword} {options.get('ELSET', options.get('NAME', options.get('NSET', '')))}".strip()
-        if keyword == "MATERIAL":
-            material = o["NAME"]
-        elif keyword == "ELASTIC":
-            several = [text for row in rows for text in [*row, *8 * [""]][:8]]
-            kind = o.get("TYPE", "ISO")
-            if kind in FIBRES:
-                fibres[material] = [real(several[k]) for k in FIBRES[kind]]
-            elif kind not in ("ISO", "ISOTROPIC"):
-                deck.lose(f"*MATERIAL {material}", "it is not isotropic; state the part by hand")
-            elastic[material] = first
-            if len(rows) > 1 and kind not in FIBRES:
-                deck.lose(f"*ELASTIC of {material}", "it changes with temperature; the first row is taken")
-        elif keyword == "DENSITY":
-            dense[material] = real(first[0])
-        elif keyword == "DAMPING" and "STRUCTURAL" in o:
-            losses[material] = real(o["STRUCTURAL"])
-        elif keyword == "SOLID SECTION":
-            lines = any(kind in files.BEAMS for kind in mesh.groups.get(group, {}))  # a truss, and its area
-            deck.properties[group] = Property(material=o["MATERIAL"], section={"area": real(first[0]) or 1.0} if lines else {})
-        elif keyword == "SHELL SECTION":
-            share = o.get("OFFSET", "0.")  # of the thickness, from the middle up to the nodes
-            off = {"SPOS": 0.5, "SNEG": -0.5}[share] if share in ("SPOS", "SNEG") else real(share)
-            layers: list[tuple[str, float, float]] = []
-            if "COMPOSITE" in o:
-                for thickness, _, of, *angle in ([*row, "", ""] for row in rows):
-                    named = angle[0] and not re.fullmatch(r"[-+.\dEeDd]+", angle[0])
-                    if named:
-                        deck.lose(name, f"the orientation {angle[0]} of a layer")
-                    layers.append((of.upper(), real(thickness), 0.0 if named else real(angle[0])))
-                layers += layers[::-1] if "SYMMETRIC" in o else []
-            elif off or o.get("MATERIAL") in fibres:
-                layers = [(o["MATERIAL"], real(first[0]), 0.0)]
-            if "NODAL THICKNESS" in o:
-                deck.lose(name, "thicknesses at its nodes")
-            whole = sum(one for _, one, _ in layers)
-            of, oriented[group] = layers[0][0] if layers else o["MATERIAL"], o.get("ORIENTATION", "")
-            deck.properties[group] = Property(
-                material=of, thickness=whole or real(first[0]), layers=tuple(layers), offset=-off * whole
-            )
-        elif keyword == "ORIENTATION":
-            turns = real(rows[1][1]) if len(rows) > 1 and len(rows[1]) > 1 else 0.0
-            points = np.array([real(text) for text in [*first, *9 * [""]][:9]]).reshape(3, 3)  # on its axes, and where they begin
-            ways[o["NAME"]] = tuple((points[0] - points[2]).tolist()), turns
-            plain = (o.get("SYSTEM", "RECTANGULAR"), o.get("DEFINITION", "COORDINATES")) == ("RECTANGULAR", "COORDINATES")
-            if not plain or (rows[1:] and rows[1][0] != "3"):
-                deck.lose(name, "axes that are not of one rectangular system, turned about its third")
-        elif keyword == "BEAM SECTION":
-            deck.beam_section(name, group, o, rows)
-        elif keyword == "ELEMENT" and o.get("TYPE") in files.LOOSE:
-            loose.setdefault(o.get("ELSET", ""), []).extend((o["TYPE"], [int(text) for text in row if text]) for row in rows)
-        elif keyword == "MASS":
-            for _, (tag, node) in loose.get(o["ELSET"], []):
-                deck.masses[f"{keyword} {options['ELSET']} {tag}"] = node, Rider(mass=real(first[0]))
-            deck.carried[keyword] = None
-        elif keyword == "SPRING":
-            _abaqus_spring(deck, name, loose.get(o["ELSET"], []), rows, point)
-        elif keyword == "RIGID BODY":
-            riders = _called(mesh, options.get("NSET", options.get("ELSET", options.get("TIE NSET", ""))))
-            carrier = o.get("REF NODE", o.get("REFNODE", ""))
-            there = numbers_of(mesh, [int(carrier) if carrier.isdigit() else carrier]) if carrier else []
-            if len(there) == 1:
-                turning |= {int(one): there[0] for key, one in o.items() if key in ("ROT NODE", "ROTNODE")}
-                deck.ride(keyword, f"{keyword} {riders}", there[0], "123456", [riders])
-            else:
-                deck.lose(name, "it has no reference node")
-        elif keyword == "BOUNDARY":
-            deck.boundary(rows)
-        elif keyword == "TRANSFORM" and (kind := o.get("TYPE", "R")) == "S":
-            deck.lose(name, "its axes are spherical")
-        elif keyword == "TRANSFORM":  # by points of its first axis and of the plane of the first two, or of a cylinder's axis
-            a, b = np.array([real(text) for text in [*first, *6 * [""]][:6]]).reshape(2, 3)
-            z, to = (b - a, np.eye(3)[np.argmin(np.abs(b - a))]) if kind == "C" else (np.cross(a, b), a)
-            turned = System.spanned(kind, a, z, to)
-            deck.axes |= {node: turned.directions(point[node]) for node in numbers_of(mesh, [options["NSET"]]) if node in point}
-        elif keyword in ("STEP", "END STEP"):
-            open_step = keyword == "STEP"
-        elif files.carries(keyword):
-            deck.lose(name, "a keyword that is not known here")
-    for node, ref in turning.items():
-        deck.held.setdefault(ref, set()).update("456"[int(letter) - 1] for letter in deck.held.pop(node, set()) & TRANSLATIONS)
-    for name in [name for name, (ends, _) in deck.springs.items() if set(ends) & set(deck.axes)]:
-        del deck.springs[name]
-        deck.lose(f"*{name}", "it acts along axes of its nodes (*TRANSFORM)")
-    for group, name in oriented.items():
-        one, (along, turns) = deck.properties[group], ways.get(name, ((1.0, 0.0, 0.0), 0.0))
-        if name and name not in ways and one.layers:
-            deck.lose(f"*SHELL SECTION of {group}", f"no orientation {name} is there")
-        layers = [(of, thickness, angle + turns) for of, thickness, angle in one.layers]
-        deck.properties[group] = replace(one, layers=tuple(layers), x_axis=along if layers else ())
-    if open_step:
-        deck.lose("the end", "a *STEP has no *END STEP, and the deck may be cut short")
-    for of, row in elastic.items():
-        nu = real(row[1]) if row[1:] and row[1] else 0.0
-        rho, lost = dense.get(of, 0.0), losses.get(of, 0.0)
-        E, across, nu, *shear = fibres.get(of, [real(row[0]), 0.0, nu])
-        deck.materials[of] = Elastic(modulus=E, across=across, poisson_ratio=nu, shear=(*shear,), density=rho, loss_factor=lost)
-    return deck
-
-
-def _abaqus_spring(
-    deck: Deck, name: str, elements: Sequence[tuple[str, list[int]]], rows: Sequence[Sequence[str]], point: Mapping[int, Array]
-) -> None:
-    """Grounded in one freedom, between two nodes in the same one, or along an axis from one to the other."""
-    for kind, (tag, *ends) in elements:
-        if kind == "SPRINGA":
-            line = point[ends[1]] - point[ends[0]]
-            axis = np.flatnonzero(np.abs(line) > ALIKE * np.linalg.norm(line))
-            along, law = [int(axis[0]) + 1] if len(axis) == 1 else [], rows
-        else:
-            along, law = sorted({int(text) for text in rows[0] if text}), rows[1:]
-        if len(along) != 1 or len(law) != 1:
-            deck.lose(f"{name} {tag}", "not along an axis, not linear, or between two different motions")
-            continue
-        six = np.zeros(6)
-        six[along[0] - 1] = real(law[0][0])
-        deck.springs[f"{name.lstrip('*')} {tag}"] = tuple(ends), six
-        deck.carried["SPRING"] = None

@@ -119,15 +119,19 @@ def keyword_of(line: str) -> tuple[str, dict[str, str]]:
     return SPACED.get(keyword, keyword), options
 
 
-SPACED = {one.replace(" ", ""): one for one in ("SOLID SECTION", "SHELL SECTION", "BEAM SECTION", "RIGID BODY", "END STEP")}
+_SPACED = ("SOLID SECTION", "SHELL SECTION", "BEAM SECTION", "RIGID BODY", "END STEP", "KINEMATIC COUPLING", "CONTACT PAIR")
+SPACED = {one.replace(" ", ""): one for one in _SPACED}
 """Keywords as CalculiX takes them, which minds no blanks, and how they are written."""
 
 
-SETS = ("ELSET", "NSET", "REF NODE", "TIE NSET", "PIN NSET")
-"""Options that name a set, or a node."""
+SETS = ("ELSET", "NSET", "REF NODE", "TIE NSET", "PIN NSET", "SURFACE")
+"""Options that name a set, a node or a surface."""
 
 COUNTED = ("NODE", "ELEMENT", "NSET", "ELSET")
 """Keywords whose rows have numbers of nodes and elements."""
+
+NAMING = {"SURFACE": slice(0, 1), "TIE": slice(0, 2), "MPC": slice(1, None), "EQUATION": slice(0, None, 3)}
+"""Keywords whose rows name nodes, elements, sets or surfaces, and where in a row; a row of one word says how many come."""
 
 DIRECTED = {"ORIENTATION": 0, "TRANSFORM": 0, "BEAM SECTION": 1, "BEAM GENERAL SECTION": 1}
 """Keywords of which a row has directions, which turn with an instance, and which row."""
@@ -177,6 +181,8 @@ class _Place:
             elif block.keyword in COUNTED:
                 last = 2 if "GENERATE" in block.options else len(words)
                 words = [*map(word, words[:last]), *words[last:]]
+            elif block.keyword in NAMING and (block.keyword != "EQUATION" or len(words) > 1):
+                words[NAMING[block.keyword]] = map(word, words[NAMING[block.keyword]])
             yield line._replace(text=", ".join(words))
 
 
@@ -294,7 +300,7 @@ def _assembled(assembly: list[_Block], parts: Mapping[str, list[_Block]], places
 
     def placed(blocks: Iterable[_Block], of: _Place, named: Callable[[str], str], word: Callable[[str], str]) -> Iterator[Line]:
         for block in blocks:
-            own = (*SETS, "ORIENTATION", *(["NAME"] if block.keyword == "ORIENTATION" else []))
+            own = (*SETS, "ORIENTATION", *(["NAME"] if block.keyword in ("ORIENTATION", "SURFACE") else []))
             options = {key: named(value) if key in own else value for key, value in block.options.items() if key != "INSTANCE"}
             yield _headed(block.head, block.keyword, options)
             yield from of.rows(block, word)
@@ -311,7 +317,7 @@ def _assembled(assembly: list[_Block], parts: Mapping[str, list[_Block]], places
             of = places.get(block.options.get("INSTANCE", "").upper(), _Place(name="", offset=0, alone=True))
             of = replace(of, alone=True, turn=np.eye(3), shift=np.zeros(3))
             rows = [row._replace(text=_referring(row.text, places)) for row in block.rows]
-            other = block if block.keyword in COUNTED else replace(block, rows=rows)
+            other = block if block.keyword in (*COUNTED, *NAMING) else replace(block, rows=rows)
             yield from placed(
                 [other], of, partial(_referring, places=places), partial(_meant, places=places, otherwise=of.number)
             )

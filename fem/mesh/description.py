@@ -1,6 +1,6 @@
 """The TOML text of a mesh or an assembly: parts with material and section, where it is held, places, springs and masses."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,6 +9,7 @@ import numpy as np
 
 from fem.beam.elements import Section, moduli, rectangle, tube
 from fem.mesh import files, shells
+from fem.mesh.constraints import NamedSum
 from fem.user_model import description as text
 from fem.user_model import parts, units
 from geometry import toml_file, user_article
@@ -23,11 +24,12 @@ KINDS = ("mesh", "assembly")
 
 _KEYS = (
     *("name", "kind", "units", "file", "support", "interface", "reference_point", "places", "parts", "groups"),
-    *("springs", "joints", "masses", "links", "holds", "loss_factor", "size", "left_out"),
+    *("springs", "joints", "masses", "links", "equations", "holds", "loss_factor", "size", "left_out"),
 )
 _PART = ("material", "thickness", "section", "layers", "x_axis", "offset", "loss_factor", "tolerance")
 _PLY = ("density", "youngs_modulus", "poisson_ratio", "shear_modulus")
 _TIED = ("stiffness", "loss_factor")
+_SPRING = ("at", "between", "x_axis", "y_axis", "about", *_TIED)
 _LINK = ("at", "nodes", "directions", "mean_of", "weights", "rotations")
 _OPEN = ("Iyz", "neutral_axis", "shear")
 """What a section with an area, Iy, Iz and J may have beside."""
@@ -124,12 +126,20 @@ class PartTable:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Spring:
-    """Six stiffnesses (6,) [N/m, N m/rad] along and about x, y, z, from `at` to the ground or, of two of them, to each other;
-    and its loss factor [1], None where none is known."""
+    """Six stiffnesses (6,) [N/m, N m/rad] along and about its `axes` (3, 3), else x, y, z, from `at` to the ground or, of two of
+    them, to each other; `about` a point (3,) [m] that both reach by rigid arms, where one is stated. Its loss factor [1] is
+    None where none is known."""
 
     at: tuple[At, ...]
     stiffness: Array
+    axes: Array | None = None
+    about: Array | None = None
     loss_factor: float | None = None
+
+    def as_stiff_as(self, other: "Spring") -> bool:
+        """Whether both have the same stiffnesses, along the same axes about the same point."""
+        pairs = ((self.stiffness, other.stiffness), (self.axes, other.axes), (self.about, other.about))
+        return all(np.array_equal(np.asarray(one), np.asarray(two)) for one, two in pairs)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -195,6 +205,7 @@ class MeshDescription:
     reference_point : (3,) [m]
     size : largest edge of an element of an assembly [m], None for what thickness asks for
     left_out : cards and keywords of the mesh file that are stated here, or are not meant
+    equations : sums of motions of nodes by the name of what has them, each of which is zero; rotations have lengths [m]
     """
 
     source: str
@@ -214,6 +225,7 @@ class MeshDescription:
     joints: Mapping[str, Joint]
     masses: Mapping[str, PointMass]
     links: Mapping[str, Link]
+    equations: Mapping[str, tuple[NamedSum, ...]]
     holds: Mapping[str, Hold]
     stated: text.Stated
 
@@ -221,6 +233,10 @@ class MeshDescription:
     def riding(self) -> dict[str, Link]:
         """Links on which nodes ride; the others follow theirs."""
         return {name: link for name, link in self.links.items() if not link.follows}
+
+    def sums(self) -> Iterator[tuple[str, NamedSum]]:
+        """Every equation with the name of what has it."""
+        return ((name, one) for name, several in self.equations.items() for one in several)
 
     def mesh(self) -> files.MeshFile:
         """What the mesh file holds.
@@ -443,14 +459,21 @@ class _Table:
         return parts.six_stiffnesses(self.table.get("stiffness"), units.SI, self.source, f"{self.where}.stiffness")
 
     def spring(self) -> Spring:
-        loss = parts.loss_factor(self.table, self.source, self.where)
+        x, y, axes = self.direction("x_axis"), self.direction("y_axis"), None
+        if y is not None and (x is None or not np.linalg.norm(np.cross(x, y)) > SOFT * np.linalg.norm(x) * np.linalg.norm(y)):
+            raise self.wrong("y_axis", "a direction beside that of `x_axis`", "State both, in the plane of the first two axes")
+        if x is not None:
+            third = np.cross(x, np.eye(3)[np.argmin(np.abs(x))] if y is None else y)
+            axes = np.array([one / np.linalg.norm(one) for one in (x, np.cross(third, x), third)])
+        more: dict[str, Any] = {"axes": axes, "loss_factor": parts.loss_factor(self.table, self.source, self.where)}
+        more |= {"about": self.quantities("about", 3 * ("length",))} if "about" in self.table else {}
         if "between" in self.table:
             ends = self.table["between"]
             if "at" in self.table or not isinstance(ends, list) or len(ends) != 2:
                 raise self.wrong("between", "two places, without `at`", 'Write it like between = ["mid-span", "tip"]')
             two = tuple(_Table(source=self.source, where=self.where, table={"between": end}).at("between") for end in ends)
-            return Spring(at=two, stiffness=self.stiffness(), loss_factor=loss)
-        return Spring(at=(self.at("at"),), stiffness=self.stiffness(), loss_factor=loss)
+            return Spring(at=two, stiffness=self.stiffness(), **more)
+        return Spring(at=(self.at("at"),), stiffness=self.stiffness(), **more)
 
     def joint(self) -> Joint:
         ends = self.table.get("between")
@@ -497,6 +520,22 @@ class _Table:
             rotations=rotations,
         )
 
+    def sums(self) -> Iterator[NamedSum]:
+        """Sums of terms ``[coefficient, node, motion]``; of the three translations alike where no motion is said."""
+        value = self.table.get("sums")
+        for one in value if isinstance(value, list) and value else [None]:
+            rows: list[Any] = one if isinstance(one, list) else []
+            plain = all(isinstance(row, list) and len(row) in (2, 3) and _is_term(*row) for row in rows)
+            if not plain or not rows or len({len(row) for row in rows}) > 1:
+                raise BadInput(
+                    source=self.source,
+                    field=f"{self.where}.sums",
+                    problem=f"must be sums of [coefficient, node, one of {', '.join(MOTIONS)}], found {str(one)[:80]}",
+                    remedy='Write [[[1, 101, "x"], [-0.5, 7, "x"], [-0.5, 8, "x"]]]; the first term follows the others',
+                )
+            for way in range(3) if len(rows[0]) == 2 else [None]:
+                yield tuple((float(row[0]), row[1], MOTIONS.index(row[2]) if way is None else way) for row in rows)
+
     def nodes(self, key: str = "nodes") -> tuple[int | str, ...]:
         nodes = self.table.get(key)
         listed: list[Any] = nodes if isinstance(nodes, list) else [nodes]
@@ -523,6 +562,12 @@ class _Table:
         return float(toml_file.quantity(value, dimension, source=self.source, field=f"{self.where}.{key}").nominal_value)
 
 
+def _is_term(factor: Any, node: Any, motion: Any = MOTIONS[0]) -> bool:
+    """Whether a sum may have this coefficient of a node's motion."""
+    number = isinstance(factor, float | int) and not isinstance(factor, bool) and np.isfinite(factor) and factor != 0
+    return number and isinstance(node, int | str) and not isinstance(node, bool) and motion in MOTIONS
+
+
 def described(path: Path) -> bool:
     """Whether `path` is meant as the description of a mesh or an assembly, by the word that its kind is nearest to."""
     table = toml_file.read(path).get(text.TABLE)
@@ -547,7 +592,7 @@ def read(path: Path) -> MeshDescription:
     kind = toml_file.one_of(table.table["kind"], KINDS, source=source, where=f"{text.TABLE}.kind")
     loss = parts.loss_factor(table.table, source, text.TABLE)
     support = toml_file.one_of(table.table.get("support", "base"), parts.SUPPORTS, source=source, where=f"{text.TABLE}.support")
-    springs = {name: each.spring() for name, each in table.tables("springs", ("at", "between", *_TIED)).items()}
+    springs = {name: each.spring() for name, each in table.tables("springs", _SPRING).items()}
     interface = table.table.get("interface", [])
     if not isinstance(interface, list) or any(isinstance(each, bool) or not isinstance(each, int | str) for each in interface):
         raise table.wrong("interface", "a list of groups or node numbers", 'Write it like ["foot"]')
@@ -555,7 +600,7 @@ def read(path: Path) -> MeshDescription:
     if twice is not None:
         raise BadInput(source=source, field=f"{text.TABLE}.interface", problem=f"names {twice!r} twice", remedy="Name it once")
     for name, one in springs.items():
-        alike = (other for other, two in springs.items() if two.at == one.at and np.array_equal(two.stiffness, one.stiffness))
+        alike = (other for other, two in springs.items() if two.at == one.at and two.as_stiff_as(one))
         if (first := next(alike)) != name:
             problem = f"is {first} once more: the same stiffness at the same place"
             raise BadInput(source=source, field=f"{text.TABLE}.springs.{name}", problem=problem, remedy="Leave one of them out")
@@ -606,6 +651,7 @@ def read(path: Path) -> MeshDescription:
         joints={name: each.joint() for name, each in table.tables("joints", ("between", "at", *_TIED)).items()},
         masses={name: each.mass() for name, each in table.tables("masses", ("at", "mass", "cog", "moments")).items()},
         links={name: each.link() for name, each in table.tables("links", _LINK).items()},
+        equations={name: tuple(each.sums()) for name, each in table.tables("equations", ("sums",)).items()},
         holds=holds,
         stated=_Table(source=source, where="stated", table=whole.get("stated", {})).stated(),
     )

@@ -329,17 +329,11 @@ NASTRAN = {
     "CTETRA": ("tet4", "tet10"),
     "CHEXA": ("hex8", "hex20"),
     "CPENTA": ("wedge6", "wedge15"),
-    "CTRIA3": ("tri3",),
-    "CTRIAR": ("tri3",),
+    **dict.fromkeys(("CTRIA3", "CTRIAR"), ("tri3",)),
+    **dict.fromkeys(("CQUAD4", "CQUADR"), ("quad4",)),
     "CTRIA6": ("tri6",),
-    "CQUAD4": ("quad4",),
-    "CQUADR": ("quad4",),
     "CQUAD8": ("quad8",),
-    "CBAR": ("line2",),
-    "CBEAM": ("line2",),
-    "CROD": ("line2",),
-    "CTUBE": ("line2",),
-    "CONROD": ("line2",),
+    **dict.fromkeys(("CBAR", "CBEAM", "CROD", "CTUBE", "CONROD"), ("line2",)),
 }
 _CARRIES = re.compile(
     r"RBE[1-3]|RBAR1?|RROD|RJOINT|RSPLINE|RTRPLT1?|MPC|NSM1?|NSML1?"

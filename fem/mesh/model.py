@@ -11,13 +11,15 @@ import numpy.typing as npt
 
 from fem.mesh import description as described
 from fem.mesh import files, shells, solids
+from fem.mesh.constraints import NamedSum, eliminated, fitted, matrix
 from fem.mesh.description import SEAM
-from fem.mesh.places import LINE, ROD, SIX, Block, Elements, assembled, fitted, symmetric
+from fem.mesh.places import LINE, ROD, SIX, Block, Elements, assembled, symmetric
 from fem.solid import assembly, tetrahedra
 from fem.structure import Sparse, Structure
 from fem.user_model import description as text
 from fem.user_model import frame
 from geometry import toml_file
+from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers, rigid_transformation_6
 
@@ -32,6 +34,12 @@ FLAT = 1e-6
 
 COINCIDENT = 1e-6
 """Distance of two nodes, as a share of the structure's size, below which they are at one place."""
+
+RIGID = 1e-5
+"""[1] Share of a rigid motion by which equations may break it: coefficients of a deck have six digits. By definition."""
+
+MOST_LEVELS = 1000
+"""Of nodes that follow nodes that follow others."""
 
 LEVEL = 1e-9
 """[share of a structure's size] Height of nodes over the plane of a link below which they are in it: rounding. By definition."""
@@ -109,7 +117,7 @@ def structure(found: described.MeshDescription, mesh: files.MeshFile) -> Structu
     made = _Made(found=found, elements=elements, sets=sets)
     supports, joints = list[str](), list[str]()
     for name, spring in found.springs.items():
-        ends = [made.motion(at, f"springs.{name}") for at in spring.at]
+        ends = [made.end(name, spring, at) for at in spring.at]
         K = _spring(ends[0] - ends[1] if len(ends) == 2 else ends[0], spring.stiffness)
         stiffness[_new(found, name, stiffness, "springs")] = K
         (joints if len(ends) == 2 else supports).append(name)
@@ -270,6 +278,8 @@ def _nodes(
 ) -> tuple[tuple[Block, ...], Array, Integers, Sets, Mapping[str, tuple[Integers, Integers]]]:
     """Blocks with nodes numbered anew, points [m], their numbers in the file, groups of nodes, and both sides of every joint."""
     riders = [one for link in found.riding.values() for one in link.nodes if isinstance(one, int)]  # also at no element
+    riders += [node for _, terms in found.sums() for _, node, _ in terms if isinstance(node, int)]
+    riders += [at for spring in found.springs.values() for at in spring.at if isinstance(at, int)]
     ridden = np.flatnonzero(np.isin(mesh.node_tags, riders) & (mesh.node_tags > 0))
     used = np.unique(np.concatenate([ridden, *(block.nodes.ravel() for block in blocks)]))
     number = np.full(len(mesh.points), -1, dtype=np.intp)
@@ -392,35 +402,58 @@ def _numbered(
             joints[f"{one.link}@{one.part}"] = int(sets[one.link][0]), carrier
         else:
             sets[one.link] = np.array([carrier], dtype=np.intp)
-    carried = eye_array(size, format="csr")
+
+    none = np.zeros(0, dtype=np.intp)
+    ridden, on = (np.concatenate([none, *each]).astype(np.intp) for each in (rows, columns))
+    riding = coo_array((np.concatenate([np.zeros(0), *values]), (ridden, on)), shape=(size, size)).tocsr()
     rides = np.zeros(size, dtype=bool)
-    rides[np.concatenate([np.zeros(0, dtype=np.intp), *rows])] = True
-    if found.support == "ground":
-        for node in _chosen(found, sets, tags, found.interface, "interface").tolist():
-            ground = first[node] + np.arange(count[node])
-            if rides[ground].any():
-                raise found.refused("interface", f"node {tags[node]} rides on a link", "Hold the link instead")
-            keep[ground] = False
+    rides[ridden] = True
+    base = np.zeros(size, dtype=bool)
+    for node in _chosen(found, sets, tags, found.interface, "interface").tolist():
+        ground = first[node] + np.arange(count[node])
+        if found.support != "ground":
+            base[ground] = True
+            continue
+        if rides[ground].any():
+            raise found.refused("interface", f"node {tags[node]} rides on a link", "Hold the link instead")
+        keep[ground] = False
     for name, hold in found.holds.items():
         for node in _chosen(found, sets, tags, hold.nodes, f"holds.{name}.nodes").tolist():
             held = first[node] + np.array([way for way in hold.directions if way < count[node]], dtype=np.intp)
             if rides[held].any():
                 raise found.refused(f"holds.{name}", f"node {tags[node]} rides on a link", "Hold the link instead")
             keep[held] = False
+    sums = list(_sums(found, sets, tags, first, count))
+    # Of nodes at no element, which ride, are tied or hang on springs, what nothing moves is no motion of the structure
+    idle = np.zeros(size, dtype=bool)
+    for node in np.setdiff1d(np.arange(own), np.concatenate([block.nodes.ravel() for block in blocks])).tolist():
+        idle[first[node] + SIX] = True
+    idle[[dof for one in sums for _, dof in one]] = False
+    for spring in found.springs.values():
+        for at in spring.at:
+            if isinstance(at, int):
+                node = _node(found, tags, at, "springs")[0]
+                acts = np.flatnonzero(np.abs(_reaching(spring, points[node])[spring.stiffness != 0]).max(axis=0, initial=0.0))
+                idle[first[node] + acts[acts < count[node]]] = False
+    keep[idle & ~rides] = False
+    following = eliminated(sums, riding, ~keep & ~rides, base)
+    keep[list(following)] = False
     rotations = np.where(turning, first, 0)[:, None] + SIX[3:]
     turned = _welded(points, blocks, first, turning & keep[rotations].any(axis=1)).where(keep)
     keep[turned.rows] = False
     own_dofs = np.where(keep, np.cumsum(keep) - 1, -1)
+    carried = eye_array(size, format="csr")
     if not keep.all():
-        moved, n = own_dofs, int(keep.sum())
         plain = np.flatnonzero(keep)
-        r = np.concatenate([plain, *rows])
-        c = np.concatenate([plain, *columns])
-        v = np.concatenate([np.ones(len(plain)), *values])
-        alive = keep[c]
-        carried = coo_array((v[alive], (r[alive], moved[c[alive]])), shape=(size, n)).tocsr()
-        if len(turned.rows):
-            carried = carried + turned.matrix(size) @ carried
+        leads = riding + matrix(following, size) + turned.matrix(size)
+        carried = step = coo_array((np.ones(len(plain)), (plain, own_dofs[plain])), shape=(size, len(plain))).tocsr()
+        for _ in range(MOST_LEVELS):
+            step = leads @ step
+            if not step.nnz:
+                break
+            carried = carried + step
+        else:
+            raise found.refused("equations", "nodes follow each other in a circle", "Let one of them follow none")
     made = Elements(
         source=mesh.source,
         node_tags=tags,
@@ -432,7 +465,44 @@ def _numbered(
         own=own_dofs,
         carried=carried,
     )
+    if found.support != "ground":
+        _require_rigid(found, made, sums)
     return made, joints
+
+
+def _sums(
+    found: described.MeshDescription, sets: Sets, tags: Integers, first: Integers, count: Integers
+) -> Iterator[list[tuple[float, int]]]:
+    """Equations as terms of coefficient and degree of freedom."""
+    for name, terms in found.sums():
+        nodes = _lone(found, sets, tags, name, terms)
+        for node, (_, of, way) in zip(nodes, terms, strict=True):
+            if way >= count[node]:
+                problem = f"node {of} is one of solids or rods, which do not turn ({MOTIONS[way]})"
+                raise found.refused(f"equations.{name}.sums", problem, "Leave its rotations out")
+        yield [(factor, int(first[node]) + way) for node, (factor, _, way) in zip(nodes, terms, strict=True)]
+
+
+def _lone(found: described.MeshDescription, sets: Sets, tags: Integers, name: str, terms: NamedSum) -> list[int]:
+    """The node of each term."""
+    nodes = [_chosen(found, sets, tags, (of,), f"equations.{name}.sums") for _, of, _ in terms]
+    if many := [(of, len(each)) for each, (_, of, _) in zip(nodes, terms, strict=True) if len(each) != 1]:
+        raise found.refused(f"equations.{name}.sums", f"{many[0][0]!r} are {many[0][1]} nodes", "Name one node in each term")
+    return [int(each[0]) for each in nodes]
+
+
+def _require_rigid(found: described.MeshDescription, made: Elements, sums: Sequence[list[tuple[float, int]]]) -> None:
+    """Refuse equations that hold what no ground holds: a rigid motion must not break them."""
+    wide = float(np.ptp(made.points, axis=0).max())
+    whole = made.rigid_everywhere(found.reference_point) / np.array([1.0, 1.0, 1.0, wide, wide, wide])
+    for (name, terms), one in zip(found.sums(), sums, strict=True):
+        factors, dofs = (np.array(each) for each in zip(*one, strict=True))
+        largest = np.abs(factors * np.array([1.0 if way < 3 else 1 / wide for *_, way in terms])).max()
+        broken = np.abs(factors @ whole[dofs]) / largest
+        if broken.max() > RIGID:
+            motion, node = MOTIONS[int(np.argmax(broken))], terms[0][1]
+            problem = f"they resist a rigid motion ({motion}) by what they say of node {node}, and no ground is there"
+            raise found.refused(f"equations.{name}", problem, 'Correct them, or write support = "ground"')
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -548,6 +618,12 @@ def _sum(shares: Mapping[str, Sparse]) -> Sparse:
     return sum(others, first)
 
 
+def _reaching(spring: described.Spring, point: Array) -> Array:
+    """What the end of a spring does along its axes of what moves and turns `point` (3,); (6, 6)."""
+    turn = np.eye(6) if spring.about is None else rigid_transformation_6(spring.about - point)
+    return turn if spring.axes is None else np.asarray(np.kron(np.eye(2), spring.axes) @ turn)
+
+
 def _spring(R: Sparse, stiffness: Array) -> Sparse:
     """R^T k R for six stiffnesses along and about the axes of the frame."""
     from scipy.sparse import diags_array
@@ -597,6 +673,15 @@ class _Made:
             return self.elements.node(int(nodes[0]))
         return self.elements.mean(nodes, self.elements.points[nodes].mean(axis=0))
 
+    def end(self, name: str, spring: described.Spring, at: described.At) -> Sparse:
+        """What moves and turns the end of a spring that is `at` a place, along its axes; (6, n)."""
+        from scipy.sparse import csr_array
+
+        R = self.motion(at, f"springs.{name}")
+        if spring.axes is None and spring.about is None:
+            return R
+        return csr_array(_reaching(spring, np.zeros(3) if spring.about is None else self._point(at, f"springs.{name}"))) @ R
+
     def places(self) -> dict[str, Sparse]:
         """The user's places, and every group that is one node."""
         single = {name: self.motion(name, name)[:3] for name, nodes in self.sets.items() if len(nodes) == 1}
@@ -641,6 +726,7 @@ class _Made:
             together += [_chosen(found, self.sets, elements.node_tags, both, name)[None]] if both else []
         for name, link in found.riding.items():
             together.append(np.append(self.sets[name], _chosen(found, self.sets, elements.node_tags, link.nodes, name))[None])
+        together += [np.array([_lone(found, self.sets, elements.node_tags, *one)]) for one in found.sums()]
         pairs = np.vstack([np.column_stack([np.repeat(own[:, 0], own.shape[1]), own.ravel()]) for own in together])
         body = connected_components(coo_array((np.ones(len(pairs)), pairs.T), shape=(size, size)), directed=False)[1]
         holding = [_chosen(found, self.sets, elements.node_tags, one.nodes, "holds") for one in found.holds.values()]

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from fem.beam.elements import IN_XY, IN_XZ, SIGN_XZ, moduli, shape_functions, timoshenko
 from fem.mesh import shells, solids
+from fem.mesh.constraints import fitted
 from fem.mesh.description import PartTable
 from fem.mesh.files import Cells
 from fem.structure import Sparse
@@ -228,6 +229,10 @@ class Elements:
 
     def rigid(self, reference_point: Array) -> Array:
         """What each degree of freedom (n,) of the structure does in the six motions of `reference_point`; (n, 6)."""
+        return np.asarray(self.rigid_everywhere(reference_point)[self.own >= 0])
+
+    def rigid_everywhere(self, reference_point: Array) -> Array:
+        """What each degree of freedom (m,) does in them, also those that ride or are held; (m, 6)."""
         whole = np.zeros((len(self.own), 6))
         offsets = self.points - reference_point
         for axis, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
@@ -235,7 +240,7 @@ class Elements:
             whole[rows, axis] = 1.0
             whole[rows, 3 + j], whole[rows, 3 + k] = offsets[:, k], -offsets[:, j]
             whole[self.first[self.turning] + 3 + axis, 3 + axis] = 1.0
-        return np.asarray(whole[self.own >= 0])
+        return whole
 
     def foot_of(self, point: Array, name: str, part: str | None = None) -> Foot:
         """The foot of `point` (3,) [m] on the mesh, or on one `part` of it, that carries it.
@@ -573,14 +578,6 @@ class Elements:
             turned = np.hstack([np.hstack([np.zeros((3, 3)), weight * np.eye(3)]) for weight in L])
             dofs = (self.first[nodes[list(triangle)]][:, None] + np.arange(6)).ravel()
             yield made(L @ own, table.thickness or 0.0, dofs, moved, turned)
-
-
-def fitted(points: Array, centre: Array) -> Array:
-    """The rigid motion (6, 3 k) about `centre` nearest to what `points` (k, 3) do; a turn that they leave open is none."""
-    T = np.vstack([rigid_transformation(point - centre) for point in points])
-    wide = float(np.abs(points - centre).max()) or 1.0
-    scale = np.array([1.0, 1.0, 1.0, *3 * [1 / wide]])
-    return np.asarray(scale[:, None] * np.linalg.pinv(T * scale, rcond=1e-9))
 
 
 def beam_axes(corners: Array, z_axis: Array | None) -> Array:

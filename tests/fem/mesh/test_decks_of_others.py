@@ -54,19 +54,6 @@ def test_what_is_held_along_the_freedoms_of_a_node_is_held_there(held: str, ways
     assert ("holds" not in said and "clamp" in said) if not ways else f'nodes = [1, 4]\ndirections = ["{ways[0]}", "z", ' in said
 
 
-def test_what_is_held_askew_is_said_and_what_is_held_in_all_is_not(tmp_path: Path) -> None:
-    axes = "CORD2R,5,0,0.,0.,0.,0.,0.,1.\n,1.,1.,0.\n"
-    assert not told(tmp_path, PLATE.format(axes=axes, cd=5, held="SPC1,1,123456,1,4\n"), "deck.bdf")[2]
-    lost = told(tmp_path, PLATE.format(axes=axes, cd=5, held="SPC1,1,13456,1,4\n"), "deck.bdf")[2]
-    assert lost == ("where nodes 1, 4 are held: along axes of their own (CD, *TRANSFORM) that are not those of the model",)
-
-
-def test_a_link_along_the_freedoms_of_nodes_with_axes_of_their_own_is_lost(tmp_path: Path) -> None:
-    axes = "CORD2R,5,0,0.,0.,0.,0.,0.,1.\n,0.,1.,0.\nGRID,9,,0.,0.,.1\nCONM2,7,9,,1.\nRBE2,8,9,13,1,4\n"
-    lost = told(tmp_path, PLATE.format(axes=axes, cd=5, held="SPC1,1,123456,2\n"), "deck.bdf")[2]
-    assert any(one.startswith("RBE2 8: in 13 along the freedoms of nodes that have axes of their own") for one in lost)
-
-
 def pinned(first: str, transform: str) -> str:
     nodes = "*NODE\n1, .1, 0., 0.\n2, .1, 0., .05\n3, .1, 0., .1\n"
     section = "*BEAM SECTION, ELSET=e, MATERIAL=STEEL, SECTION=RECT\n.01, .02\n1., 0., 0.\n"
@@ -86,13 +73,6 @@ def test_a_transform_turns_what_its_nodes_are_held_in(transform: str, tmp_path: 
 def test_spherical_axes_are_lost_in_words_and_are_no_damage(tmp_path: Path) -> None:
     lost = told(tmp_path, pinned("2, 6", "*TRANSFORM, NSET=ROOT, TYPE=S\n0., 0., 0., 0., 0., 1.\n"))[2]
     assert lost == ("*TRANSFORM ROOT: its axes are spherical",)
-
-
-def test_a_spring_along_axes_of_its_nodes_is_lost(tmp_path: Path) -> None:
-    spring = "*ELEMENT, TYPE=SPRING1, ELSET=S\n9, 3\n*SPRING, ELSET=S\n1\n1000.\n"
-    spring += "*TRANSFORM, NSET=TIP, TYPE=R\n0., 1., 0., -1., 0., 0.\n"
-    lost = told(tmp_path, pinned("1, 6", f"*NSET, NSET=TIP\n3\n{spring}"))[2]
-    assert lost == ("*SPRING S 9: it acts along axes of its nodes (*TRANSFORM)",)
 
 
 def test_calculix_minds_no_blanks_in_keywords(tmp_path: Path) -> None:

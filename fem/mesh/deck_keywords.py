@@ -1,0 +1,337 @@
+"""Keywords of Abaqus and CalculiX, with their rows of data, of the model and of its first step."""
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from fem.mesh import files
+from fem.mesh.constraints import FACES, Sum, areas, following, tied
+from fem.mesh.deck_content import TRANSLATIONS, Deck, DeckSpring, Elastic, Mean, Property, Rider, Row, called, numbers_of
+from fem.mesh.deck_text import System, deck_lines, keyword_of, real
+from fem.mesh.files import MeshFile
+from geometry.frames import Array, Integers
+
+FIBRES = {"LAMINA": range(6), "ENGINEERING CONSTANTS": (0, 1, 3, 6, 7, 8)}
+"""Where moduli along and across fibres, Poisson's ratio and shear moduli 12, 13 and 23 stand, by the type of elasticity."""
+
+
+def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
+    """Keyword, options and rows of fields, to the end of the first step; nodes and elements come without their rows."""
+    keyword, options, rows, steps = "", dict[str, str](), list[list[str]](), 0
+    for line in deck_lines(path):
+        text = line.text.strip()
+        if not text.startswith("*"):
+            meshed = keyword == "ELEMENT" and options.get("TYPE", "").upper() not in files.LOOSE
+            heavy = meshed or keyword in ("NODE", "NSET", "ELSET")
+            rows += [] if heavy else [[one.strip() for one in text.split(",")]]
+            continue
+        if keyword:
+            yield keyword, options, rows
+        (keyword, options), rows = keyword_of(text), []
+        steps += keyword == "STEP"
+        if steps > 1:
+            return
+    yield keyword, options, rows
+
+
+def read_keywords(path: Path, mesh: MeshFile) -> Deck:
+    deck, material, open_step = Deck(mesh=mesh), "", False
+    elastic, dense, losses = dict[str, list[str]](), dict[str, float](), dict[str, float]()
+    point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
+    loose, fibres, oriented = dict[str, list[tuple[str, list[int]]]](), dict[str, list[float]](), dict[str, str]()
+    coupling, surfaces = dict[str, str](), dict[str, Surface]()
+    joining = list[tuple[str, dict[str, str], list[list[str]]]]()
+    # Carriers of rigid bodies by the nodes whose displacements are their rotations; and orientations
+    turning, ways = dict[int, int](), dict[str, tuple[tuple[float, ...], float]]()
+    for keyword, options, rows in _blocks(path):
+        o, first = {key: value.upper() for key, value in options.items()}, (rows or [[""]])[0]
+        group = called(mesh, options.get("ELSET", ""))
+        name = f"*{keyword} {options.get('ELSET', options.get('NAME', options.get('NSET', '')))}".strip()
+        if keyword == "MATERIAL":
+            material = o["NAME"]
+        elif keyword == "ELASTIC":
+            several = [text for row in rows for text in [*row, *8 * [""]][:8]]
+            kind = o.get("TYPE", "ISO")
+            if kind in FIBRES:
+                fibres[material] = [real(several[k]) for k in FIBRES[kind]]
+            elif kind not in ("ISO", "ISOTROPIC"):
+                deck.lose(f"*MATERIAL {material}", "it is not isotropic; state the part by hand")
+            elastic[material] = first
+            if len(rows) > 1 and kind not in FIBRES:
+                deck.lose(f"*ELASTIC of {material}", "it changes with temperature; the first row is taken")
+        elif keyword == "DENSITY":
+            dense[material] = real(first[0])
+        elif keyword == "DAMPING" and "STRUCTURAL" in o:
+            losses[material] = real(o["STRUCTURAL"])
+        elif keyword == "SOLID SECTION":
+            lines = any(kind in files.BEAMS for kind in mesh.groups.get(group, {}))  # a truss, and its area
+            deck.properties[group] = Property(material=o["MATERIAL"], section={"area": real(first[0]) or 1.0} if lines else {})
+        elif keyword == "SHELL SECTION":
+            share = o.get("OFFSET", "0.")  # of the thickness, from the middle up to the nodes
+            off = {"SPOS": 0.5, "SNEG": -0.5}[share] if share in ("SPOS", "SNEG") else real(share)
+            layers: list[tuple[str, float, float]] = []
+            if "COMPOSITE" in o:
+                for thickness, _, of, *angle in ([*row, "", ""] for row in rows):
+                    named = angle[0] and not re.fullmatch(r"[-+.\dEeDd]+", angle[0])
+                    if named:
+                        deck.lose(name, f"the orientation {angle[0]} of a layer")
+                    layers.append((of.upper(), real(thickness), 0.0 if named else real(angle[0])))
+                layers += layers[::-1] if "SYMMETRIC" in o else []
+            elif off or o.get("MATERIAL") in fibres:
+                layers = [(o["MATERIAL"], real(first[0]), 0.0)]
+            if "NODAL THICKNESS" in o:
+                deck.lose(name, "thicknesses at its nodes")
+            whole = sum(one for _, one, _ in layers)
+            of, oriented[group] = layers[0][0] if layers else o["MATERIAL"], o.get("ORIENTATION", "")
+            deck.properties[group] = Property(
+                material=of, thickness=whole or real(first[0]), layers=tuple(layers), offset=-off * whole
+            )
+        elif keyword == "ORIENTATION":
+            turns = real(rows[1][1]) if len(rows) > 1 and len(rows[1]) > 1 else 0.0
+            points = np.array([real(text) for text in [*first, *9 * [""]][:9]]).reshape(3, 3)  # on its axes, and where they begin
+            ways[o["NAME"]] = tuple((points[0] - points[2]).tolist()), turns
+            plain = (o.get("SYSTEM", "RECTANGULAR"), o.get("DEFINITION", "COORDINATES")) == ("RECTANGULAR", "COORDINATES")
+            if not plain or (rows[1:] and rows[1][0] != "3"):
+                deck.lose(name, "axes that are not of one rectangular system, turned about its third")
+        elif keyword == "BEAM SECTION":
+            deck.beam_section(name, group, o, rows)
+        elif keyword == "ELEMENT" and o.get("TYPE") in files.LOOSE:
+            loose.setdefault(o.get("ELSET", ""), []).extend((o["TYPE"], [int(text) for text in row if text]) for row in rows)
+        elif keyword == "MASS":
+            for _, (tag, node) in loose.get(o["ELSET"], []):
+                deck.masses[f"{keyword} {options['ELSET']} {tag}"] = node, Rider(mass=real(first[0]))
+            deck.carried[keyword] = None
+        elif keyword == "SPRING":
+            _abaqus_spring(deck, name, loose.get(o["ELSET"], []), rows, point, "ORIENTATION" in o)
+        elif keyword == "RIGID BODY":
+            riders = called(mesh, options.get("NSET", options.get("ELSET", options.get("TIE NSET", ""))))
+            carrier = o.get("REF NODE", o.get("REFNODE", ""))
+            there = numbers_of(mesh, [int(carrier) if carrier.isdigit() else carrier]) if carrier else []
+            if len(there) == 1:
+                turning |= {int(one): there[0] for key, one in o.items() if key in ("ROT NODE", "ROTNODE")}
+                deck.ride(keyword, f"{keyword} {riders}", there[0], "123456", [riders])
+            else:
+                deck.lose(name, "it has no reference node")
+        elif keyword == "BOUNDARY":
+            deck.boundary(rows)
+        elif keyword == "TRANSFORM" and (kind := o.get("TYPE", "R")) == "S":
+            deck.lose(name, "its axes are spherical")
+        elif keyword == "TRANSFORM":  # by points of its first axis and of the plane of the first two, or of a cylinder's axis
+            a, b = np.array([real(text) for text in [*first, *6 * [""]][:6]]).reshape(2, 3)
+            z, to = (b - a, np.eye(3)[np.argmin(np.abs(b - a))]) if kind == "C" else (np.cross(a, b), a)
+            turned = System.spanned(kind, a, z, to)
+            deck.axes |= {node: turned.directions(point[node]) for node in numbers_of(mesh, [options["NSET"]]) if node in point}
+        elif keyword == "SURFACE":
+            surfaces[o["NAME"]] = Surface(mesh=mesh, rows=rows, nodes=o.get("TYPE", "ELEMENT") == "NODE")
+        elif keyword == "COUPLING":
+            coupling = options
+        elif keyword in ("KINEMATIC", "DISTRIBUTING"):
+            joining.append((keyword, {**coupling, **options}, rows))
+        elif keyword in ("EQUATION", "MPC", "TIE"):
+            joining.append((keyword, options, rows))
+        elif keyword in ("STEP", "END STEP"):
+            open_step = keyword == "STEP"
+        elif files.carries(keyword):
+            deck.lose(name, "a keyword that is not known here")
+    for keyword, options, rows in joining:
+        _join(deck, keyword, options, rows, surfaces)
+    for node, ref in turning.items():
+        deck.held.setdefault(ref, set()).update("456"[int(letter) - 1] for letter in deck.held.pop(node, set()) & TRANSLATIONS)
+    for name in [name for name, one in deck.springs.items() if one.axes is None]:
+        deck.turn_spring(name)
+    for group, name in oriented.items():
+        one, (along, turns) = deck.properties[group], ways.get(name, ((1.0, 0.0, 0.0), 0.0))
+        if name and name not in ways and one.layers:
+            deck.lose(f"*SHELL SECTION of {group}", f"no orientation {name} is there")
+        layers = [(of, thickness, angle + turns) for of, thickness, angle in one.layers]
+        deck.properties[group] = replace(one, layers=tuple(layers), x_axis=along if layers else ())
+    if open_step:
+        deck.lose("the end", "a *STEP has no *END STEP, and the deck may be cut short")
+    for of, row in elastic.items():
+        nu = real(row[1]) if row[1:] and row[1] else 0.0
+        rho, lost = dense.get(of, 0.0), losses.get(of, 0.0)
+        E, across, nu, *shear = fibres.get(of, [real(row[0]), 0.0, nu])
+        deck.materials[of] = Elastic(modulus=E, across=across, poisson_ratio=nu, shear=(*shear,), density=rho, loss_factor=lost)
+    return deck
+
+
+def _abaqus_spring(
+    deck: Deck, name: str, elements: Sequence[tuple[str, list[int]]], rows: Sequence[Row], at: Mapping[int, Array], turned: bool
+) -> None:
+    """Grounded in one freedom, between two nodes in the same one, or from one to the other."""
+    for kind, (tag, *ends) in elements:
+        own, axes = f"{name.lstrip('*')} {tag}", None
+        if kind == "SPRINGA":
+            line = at[ends[1]] - at[ends[0]]
+            along, law = [1] if np.any(line) else [], [row for row in rows if any(row)]
+            if along:
+                axes = System.spanned("R", line, np.cross(line, np.eye(3)[np.argmin(np.abs(line))]), line).axes
+        else:
+            along, law = sorted({int(text) for text in rows[0] if text}), [*rows[1:]]
+        if len(along) != 1 or len(law) != 1 or turned:
+            deck.lose(f"*{own}", "not linear, along an orientation of its own, or between two different motions")
+            continue
+        six = np.zeros(6)
+        six[along[0] - 1] = real(law[0][0])
+        deck.springs[own] = DeckSpring(ends=tuple(ends), stiffness=six, axes=axes)
+        deck.carried["SPRING"] = None
+
+
+# What joins: surfaces, ties, couplings and equations. They are read when all sets and surfaces are there.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Surface:
+    """A surface of a mesh by the `rows` that state it: sets of elements or elements with a face, or of `nodes`."""
+
+    mesh: MeshFile
+    rows: Sequence[Row]
+    nodes: bool
+
+    def faces(self) -> list[tuple[int, ...]]:
+        """Numbers of the nodes of each face, corners first; of edges of shells alike. ValueError: a face that no element has."""
+        found = dict[frozenset[int], tuple[int, ...]]()
+        for who, label, *_ in ([*row, "", ""] for row in self.rows if not self.nodes):
+            for kind, index in self._elements(who).items():
+                cells, faces = self.mesh.cells[kind].nodes[index], FACES.get(kind, ())
+                if kind in files.SHELLS:
+                    faces = self._of_shell(faces[0], label.upper())
+                elif label:
+                    faces = (faces[int(label.upper().removeprefix("S")) - 1],)
+                every = [self.mesh.node_tags[cells[:, list(face)]] for face in faces]
+                if not label and kind not in files.SHELLS:  # those that no other element has
+                    keys = [frozenset(row) for each in every for row in each.tolist()]
+                    alone = {key for key, count in Counter(keys).items() if count == 1}
+                    every = [np.array([row for row in each.tolist() if frozenset(row) in alone]) for each in every]
+                found |= {frozenset(row): tuple(row) for each in every for row in each.tolist()}
+        return list(found.values())
+
+    def _of_shell(self, face: tuple[int, ...], label: str) -> tuple[tuple[int, ...], ...]:
+        """The face itself, or the edge that a label (E1, or S3 of CalculiX) names."""
+        if label in ("", "SPOS", "SNEG", "S1", "S2"):
+            return (face,)
+        edge, corners = int(label[1:]) - (1 if label[0] == "E" else 3), 3 if len(face) in (3, 6) else 4
+        return ((face[edge], face[(edge + 1) % corners], *face[corners + edge : corners + edge + 1]),)
+
+    def _elements(self, who: str) -> dict[str, Integers]:
+        if not who.isdigit():
+            return dict(self.mesh.groups.get(called(self.mesh, who), {}))
+        every = {kind: np.flatnonzero(cells.tags == int(who)) for kind, cells in self.mesh.cells.items()}
+        return {kind: index for kind, index in every.items() if len(index)}
+
+    def weights(self) -> dict[int, float]:
+        """Of each node, by its number, the area that it carries; of a surface of nodes what is stated, or 1."""
+        found = dict[int, float]()
+        if self.nodes:
+            for who, weight, *_ in ([*row, "", ""] for row in self.rows):
+                found |= dict.fromkeys(numbers_of(self.mesh, [int(who) if who.isdigit() else who]), real(weight) or 1.0)
+            return found
+        points = dict(zip(self.mesh.node_tags.tolist(), self.mesh.points, strict=True))
+        for face in self.faces():
+            for node, area in zip(face, areas(np.array([points[node] for node in face])).tolist(), strict=True):
+                found[node] = found.get(node, 0.0) + area
+        return found
+
+
+def _join(deck: Deck, keyword: str, o: Mapping[str, str], rows: Sequence[Row], surfaces: Mapping[str, Surface]) -> None:
+    """Carry over, or lose in words, what one keyword joins."""
+    own = o.get("CONSTRAINT NAME", o.get("NAME", o.get("SURFACE", "")))
+    word = "COUPLING" if keyword in ("KINEMATIC", "DISTRIBUTING") else keyword
+    name = f"{word} {own or 1 + sum(each.startswith(word) for each in (*deck.equations, *deck.links, *deck.means))}"
+    lost = len(deck.lost)
+    try:
+        if keyword == "EQUATION":
+            deck.equate(keyword, keyword, list(_equations(deck, rows)))
+        elif keyword == "MPC":
+            for kind, *ends in rows:
+                _multi_point(deck, name, kind.upper(), [_several(deck, end) for end in ends if end])
+        elif keyword == "TIE":
+            for slave, master, *_ in rows:
+                _tie(deck, name, o, surfaces[slave.upper()], surfaces[master.upper()])
+        else:
+            _couple(deck, keyword, name, o, rows, surfaces)
+    except (KeyError, IndexError, ValueError) as error:
+        del deck.lost[lost:]
+        problem = str(error) if type(error) is ValueError else f"{error} of it is not here"
+        deck.lose(f"*{name}", f"{problem}, and {len(rows)} row{'s' * (len(rows) > 1)} of it with that")
+
+
+def _several(deck: Deck, who: str) -> list[int]:
+    return numbers_of(deck.mesh, [int(who) if who.isdigit() else who])
+
+
+def _equations(deck: Deck, rows: Sequence[Row]) -> Iterator[Sum]:
+    """Each begins with how many terms it has; sets stand for as many equations as they have nodes."""
+    left = iter(rows)
+    for first in left:
+        words, count = list[str](), int(first[0])
+        while len(words) < 3 * count:
+            words += [word for word in next(left, []) if word]
+            if not words:
+                raise ValueError("an equation ends before its last term")
+        nodes = [_several(deck, words[k]) for k in range(0, 3 * count, 3)]
+        ways, factors = ([int(word) - 1 for word in words[1::3]], [real(word) for word in words[2::3]])
+        if not all(0 <= way < 6 for way in ways):
+            raise ValueError("a freedom that is none of motion")
+        for k in range(max(map(len, nodes))):
+            yield tuple((f, own[k if len(own) > 1 else 0], way) for f, own, way in zip(factors, nodes, ways, strict=True))
+
+
+def _multi_point(deck: Deck, name: str, kind: str, ends: Sequence[list[int]]) -> None:
+    """The first node, or each of a set, follows the second."""
+    if kind not in ("BEAM", "TIE", "PIN", "LINK") or len(ends) != 2:
+        raise ValueError(f"MPC of type {kind} are not known here")
+    points = deck.points
+    for k, one in enumerate(ends[0]):
+        other = ends[1][k if len(ends[1]) > 1 else 0]
+        if kind == "BEAM":
+            six = {(other, way): 1.0 for way in range(6)}
+            deck.equate("MPC", name, following(points, [(one, way) for way in range(6)], six, {}))
+        elif kind == "LINK":
+            line = (points[one] - points[other]).tolist()
+            terms = [(sign * share, node, way) for sign, node in ((1, one), (-1, other)) for way, share in enumerate(line)]
+            deck.equate("MPC", name, [tuple(sorted(terms, key=lambda term: (term[1] != one, -abs(term[0]))))])
+        else:
+            deck.equate("MPC", name, [((1.0, one, way), (-1.0, other, way)) for way in range(6 if kind == "TIE" else 3)])
+
+
+def _couple(
+    deck: Deck, keyword: str, name: str, o: Mapping[str, str], rows: Sequence[Row], surfaces: Mapping[str, Surface]
+) -> None:
+    """Nodes of a surface ride on a node, or that follows their mean motion by the areas that they carry."""
+    carrier = _several(deck, o.get("REF NODE", o.get("REFNODE", "")))
+    if len(carrier) != 1:
+        raise ValueError("it has no reference node")
+    told, weights = [[word for word in row if word] for row in rows], surfaces[o["SURFACE"].upper()].weights()
+    letters = {way for row in told if row for way in range(int(row[0]), int(row[-1]) + 1)} or set(range(1, 7))
+    ways = "".join(map(str, sorted(letters)))
+    if o.get("ORIENTATION") and not letters >= {1, 2, 3}:
+        raise ValueError("its freedoms are along an orientation of its own")
+    weights.pop(carrier[0], None)
+    if keyword == "DISTRIBUTING":
+        motions = {(node, way): weight for node, weight in weights.items() if weight for way in range(3)}
+        deck.means[name] = Mean(follower=carrier[0], ways=ways, motions=motions)
+        deck.carried |= dict.fromkeys(("COUPLING", keyword))
+    else:
+        deck.ride("COUPLING", name, carrier[0], ways, sorted(weights))
+
+
+def _tie(deck: Deck, name: str, o: Mapping[str, str], slave: Surface, master: Surface) -> None:
+    """Nodes of the first surface move with the faces of the second that they lie on."""
+    points, faces, turning = deck.points, master.faces(), deck.turning
+    if not faces or min(map(len, faces)) < 3:
+        raise ValueError("its second surface is one of nodes or edges")
+    held = float(real(o["POSITION TOLERANCE"])) if "POSITION TOLERANCE" in o else None
+    turns = set[int]() if "NO ROTATION" in o else turning
+    own = {node: points[node] for node in slave.weights()}
+    sums, away, reach = tied(own, faces, points, turns.__contains__, held)
+    if not sums:
+        raise ValueError(f"none of its {len(own)} nodes lies within {reach:.3g} of the other surface")
+    deck.equate("TIE", name, sums)
+    if away:
+        why = f"{away} of {len(own)} nodes lie further than {reach:.3g} from the other surface, and are not tied"
+        deck.lose(f"surfaces of {name}", why)
