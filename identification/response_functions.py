@@ -576,7 +576,9 @@ def _record(
             problem = "it holds functions of frequency where records of time are needed"
             raise BadInput(source=str(path), problem=problem, remedy="Take `records` out of the test")
         known = tuple(signals.samples)
-        wanted = [*forces, *(columns.get(one.name, [one.name])[0] for one in responses)]
+        called = _called(known, responses) or {}
+        read = [columns[one.name][0] if one.name in columns else called.get(one.name, [one.name])[0] for one in responses]
+        wanted = [*forces, *read]
         for name in wanted:
             if name not in known:
                 remedy = f"Name the channels in `columns`; there are {', '.join(known)}"
@@ -589,13 +591,14 @@ def _record(
         whole = np.column_stack([scaled[name] for name in wanted])
         return signals.sampling_rate, whole[:, :count], whole[:, count:]
     text = text_table.read(path, str(table.get("separator", "")))
+    columns = {**(_called(text.header, responses) or {}), **columns}
     at = {key: text.column(names[0], f"columns.{key}") for key, names in columns.items()}
     axis = at.get("time", 0)
     stated = "force" in entry.get("columns", {})
-    first = next(k for k in range(len(text.cells[0])) if k != axis)
+    named = [at[one.name] for one in responses if one.name in at]
+    first = next((k for k in range(len(text.cells[0])) if k not in (axis, *named)), axis)
     driven = [text.column(name, "columns.force") for name in forces] if stated else [first]
     rest = [k for k in range(len(text.cells[0])) if k not in (axis, *driven)]
-    named = [at[one.name] for one in responses if one.name in at]
     if not named and len(rest) == len(responses):
         named = rest
     if len(named) != len(responses):
@@ -674,7 +677,8 @@ def _of_signals(
     if signals.frequency is None:
         problem = "it holds time histories where functions of frequency are needed"
         raise BadInput(source=str(path), problem=problem, remedy="Write records = { } to make functions of them")
-    columns, known = _columns(entry, responses, source), tuple(signals.samples)
+    known = tuple(signals.samples)
+    columns = {**(_called(known, responses) or {}), **_columns(entry, responses, source)}
     names = [
         columns.get(one.name, [one.name if one.name in known or len(known) != len(responses) else known[k]])
         for k, one in enumerate(responses)
@@ -706,6 +710,17 @@ def _columns(entry: Mapping[str, Any], responses: Sequence[Point], source: str) 
     }
 
 
+def _called(known: Sequence[str], responses: Sequence[Point], each: int = 1) -> dict[str, list[str]] | None:
+    """By response the `each` names of `known` that begin with its own, however it is punctuated; None where not all have them."""
+
+    def plain(name: str) -> str:
+        return re.sub(r"[\W_]+", "-", name.lower()).strip("-") + "-"
+
+    found = {one.name: [name for name in known if plain(name).startswith(plain(one.name))] for one in responses}
+    taken = [name for names in found.values() for name in names]
+    return found if all(len(names) == each for names in found.values()) and len(set(taken)) == len(taken) else None
+
+
 def _of_text(
     path: Path, entry: Mapping[str, Any], table: Mapping[str, Any], responses: Sequence[Point], source: str
 ) -> tuple[Array, list[ComplexArray]]:
@@ -715,6 +730,8 @@ def _of_text(
     axis = text.column(named["frequency"][0], "columns.frequency") if "frequency" in named else 0
     rest = [k for k in range(count) if k != axis]
     each = 2 if len(rest) == 2 * len(responses) else 1
+    called = _called(text.header, responses, 2) or (_called(text.header, responses) if each == 1 else None)
+    named = {**(called or {}), **named}
     if not all(one.name in named for one in responses) and len(rest) != each * len(responses):
         problem = f"it has {len(rest)} columns beside the frequency, neither one nor two for each of {len(responses)} responses"
         raise BadInput(

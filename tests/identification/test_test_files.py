@@ -663,6 +663,29 @@ def test_records_in_files_become_functions_with_their_coherence(tmp_path: Path) 
     assert_allclose(made[0].values[0, near, 0], exact(made[0].frequency[near]), rtol=0.03)
 
 
+@pytest.mark.parametrize("names", [["a:z", "b:z"], ["a_z", "b_z"], ["A-Z [m]", "B-Z [m]"]])
+def test_channels_that_are_called_as_the_points_are_found_in_any_order(tmp_path: Path, names: list[str]) -> None:
+    rng = np.random.default_rng(4)
+    force = rng.standard_normal(RATE * 40)
+    samples = {names[1]: answer(force, frequency=40.0), "force": force, names[0]: answer(force)}
+    files.write(tmp_path / "a.h5", Signals(source="a", samples=samples, sampling_rate=RATE))
+    columns = {"time": np.arange(len(force)) / RATE, **samples}
+    np.savetxt(tmp_path / "a.csv", np.column_stack([*columns.values()]), delimiter=",", header=",".join(columns), comments="")
+    of = functions()
+    lines = {"frequency": F, names[1]: of["a", "b"], names[0]: of["a", "a"]}
+    rows = {name: [one, one] if name == "frequency" else [one.real, one.imag] for name, one in lines.items()}
+    header = ",".join(["frequency", *(f"{name} {part}" for name in (names[1], names[0]) for part in ("real", "imag"))])
+    table = np.column_stack([F, *rows[names[1]], *rows[names[0]]])
+    np.savetxt(tmp_path / "lines.csv", table, delimiter=",", header=header, comments="", fmt="%.17g")
+    stated = described(drive="a", quantity="displacement")
+    near = np.abs(np.arange(1, 401) * 0.25 - 30) < 5
+    for file in ("a.h5", "a.csv"):
+        found = read(tmp_path, {**stated, "file": file, "records": {"block": "4 s"}})
+        assert_allclose(found.values[0, : len(near)][near, 0], exact(F[near]), rtol=0.03)
+        assert_allclose(found.values[0, : len(near)][near, 1], exact(F[near], frequency=40.0), rtol=0.03)
+    assert_allclose(read(tmp_path, {**stated, "file": "lines.csv"}).values[0, :, 1], of["a", "b"])
+
+
 @pytest.mark.parametrize("ending", ["csv", "h5"])
 def test_a_file_may_hold_several_forces_at_a_time(tmp_path: Path, ending: str) -> None:
     rng = np.random.default_rng(4)
