@@ -55,7 +55,7 @@ FOLDERS = {"campaign.toml": "a campaign", "test.toml": "a test"}
 
 
 def described_in(path: str) -> str:
-    """The test.toml of the folder `path` where it has one and no campaign.toml, as `massline simulate --test` writes it; else `path`."""
+    """The test.toml of the folder `path`, as `massline simulate --test` writes one; `path` of all else, and of a campaign."""
     campaign, test = (Path(path, name) for name in FOLDERS)
     return str(test) if test.is_file() and not campaign.exists() else path
 

@@ -577,8 +577,7 @@ def _record(
             raise BadInput(source=str(path), problem=problem, remedy="Take `records` out of the test")
         known = tuple(signals.samples)
         called = _called(known, responses) or {}
-        read = [columns[one.name][0] if one.name in columns else called.get(one.name, [one.name])[0] for one in responses]
-        wanted = [*forces, *read]
+        wanted = [*forces, *({**called, **columns}.get(one.name, [one.name])[0] for one in responses)]
         for name in wanted:
             if name not in known:
                 remedy = f"Name the channels in `columns`; there are {', '.join(known)}"

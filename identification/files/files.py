@@ -230,7 +230,7 @@ def rate_of_times(time: Array, source: str, field: str) -> float:
 
 
 def _rounding(time: Array) -> Array:
-    """Half a unit of the last digit that each of the time stamps (n,) [s] was printed with: so many decimals, or so many digits."""
+    """Half a unit of the last digit that each of the time stamps (n,) [s] was printed with, of so many decimals or digits."""
     size, exact = np.abs(time), 4 * np.finfo(np.float64).eps
     binary = exact * float(size.max())
     found = np.full(len(time), binary)

@@ -17,7 +17,10 @@ import pytest
         (("check", "hammer"), "hammer/test.toml: `article`: is missing"),
         (("identify", "hammer"), "hammer/test.toml: `article`: is missing"),
         (("compare", "m.toml", "hammer"), "hammer/test.toml: `files`: one of `file` and `files` is needed"),
-        (("check", "blows"), "nor a test.toml that says where 1.csv and 1 more were driven and read. Write test.toml beside them"),
+        (
+            ("check", "blows"),
+            "nor a test.toml that says where 1.csv and 1 more were driven and read. Write test.toml beside them",
+        ),
         (("compare", "m.toml", "blows"), 'files = [{ path = "1.csv", drive = "tip:z" }, ...], responses = ["tip:z", "root:z"]'),
         (("compare", "hammer/test.toml", "m.toml"), "where a model file is needed. MODEL comes first and DATA behind it"),
         (

@@ -190,8 +190,11 @@ def seen(matrices: Matrices, table: ModalTable) -> Array:
     return points.stated(matrices, table.sensors)
 
 
-def partners(modes: RealModes, table: ModalTable) -> tuple[int, ...]:
+def partners(modes: RealModes, table: ModalTable, effects: Sequence[Added] = ()) -> tuple[int, ...]:
     """(m,) which of `modes` is the partner of every mode of `table`, by the rule of `identification.modal_table.paired`.
+
+    Shapes of the model are read as the sensors do with the mistakes that are among `effects`: one with a wrong sign would pair
+    modes whose shapes differ by it.
 
     Raises
     ------
@@ -202,7 +205,14 @@ def partners(modes: RealModes, table: ModalTable) -> tuple[int, ...]:
     moving = moving[np.isfinite(f[moving])]
     if len(moving) < len(table.frequency):
         raise ValueError(f"the model has {len(moving)} modes, and the table {len(table.frequency)}")
-    shapes = None if table.shapes is None else (seen(modes.matrices, table) @ modes.shapes[:, moving]).T
+    shapes = None
+    if table.shapes is not None:
+        mistaken = [one for one in effects if one.fixed]
+        sizes = {one.named.id: one.named.value for one in mistaken if one.named.family in points.RESPONSES}
+        where = points.rows(modes.matrices, table.sensors, (), points.asked(mistaken, points.RESPONSES), sizes)
+        read = (where.values @ modes.shapes[:, moving]).T[:, :, None].astype(np.complex128)
+        stage = ChannelResponse(frequency=f[moving], channels=tuple(one.name for one in table.sensors), rows=read)
+        shapes = prediction_effects.channels(stage, {}, mistaken, derivatives=False)[0].rows[..., 0]
     known = table.frequency if table.since is None or table.before is None else table.since * table.before[:, 0]  # as it was
     return tuple(int(moving[k]) for k in paired(known, f[moving], table.shapes, shapes))
 
@@ -264,11 +274,12 @@ class _TablePart(ABC):
         wanted = derivatives if isinstance(derivatives, bool) else frozenset(derivatives)
         if self.table.damping_deviation is None and not isinstance(wanted, bool):  # real modes do not know what they lose
             wanted = frozenset(name for name in wanted if name.partition(":")[0] not in LOSSES)
-        key, last = (id(self.table), tuple(offsets.items()), stand, wanted), self.structure.last
+        fixed = tuple((one.named.id, *one.named.values.items()) for one in self.effects if one.fixed)
+        key, last = (id(self.table), tuple(offsets.items()), stand, fixed, wanted), self.structure.last
         if last.get("key") != key:
             matrices, tangents = dynamic_mass.structure(self.structure, offsets, acting, derivatives=wanted)
             modes = real_modes(matrices)
-            every = partners(modes, self.table)
+            every = partners(modes, self.table, self.effects)
             moved = {name: modes.changed(every, tangent) for name, tangent in tangents.items()} if wanted else {}
             last |= {"key": key, "table": self.table, "made": (modes, every, moved)}
         modes, every, moved = last["made"]
@@ -342,7 +353,7 @@ class _TablePart(ABC):
                 key, last = (id(whole), id(self.table), K.tobytes(), M.tobytes()), self.structure.last
                 if last.get("attached") != key:  # frequencies and shapes ask one after the other
                     there = real_modes(replace(whole, mass=M, stiffness=K))
-                    last |= {"attached": key, "of": whole, "modes": (there, partners(there, self.table))}
+                    last |= {"attached": key, "of": whole, "modes": (there, partners(there, self.table, self.effects))}
                 there, every = last["modes"]
                 return self._modes_read(there, [every[k] for k in self.modes], known, effects)
 

@@ -135,6 +135,9 @@ def test_a_mass_is_planted_at_coordinates_on_a_member_and_refused_beside_it(run:
     assert tabulated("mast", "@0,0,0.6")[0] < 0.98 * tabulated("mast", "middle")[0]
     said = refused("simulate", "mast.toml", *asked.split(), "none", "--effect", "point-mass:@0,0,5=0.3")
     assert "--effect: `point-mass:@0,0,5`: lies 4200 mm outside the mesh; the nearest point is (0, 0, 800) mm" in said
+    for light in ("point-mass:middle=-60", "point-mass:@0,0,0.6=-60"):
+        said = refused("simulate", "mast.toml", *asked.split(), "none", "--effect", light)
+        assert "a place or a part weighs less than nothing. Take away no more than there is" in said
 
 
 def test_a_table_has_no_mode_that_moves_no_sensor_and_one_that_has_is_compared_all_the_same(run: Any) -> None:
