@@ -16,7 +16,7 @@ there has the window too, and no damping needs to be taken off (W. G. Halvorsen 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
@@ -55,8 +55,8 @@ RINGS = 0.05
 LOUD = 5.0
 """[standard deviations] by which it is above noise there. By definition: of some hundred samples."""
 
-CLIPPED = 5
-"""Samples in a row at the end of a channel's range that no signal has."""
+CLIPPED, FLAT = 5, 2
+"""Samples in a row at the end of its range that no channel has; those at the tops of different blows, all at one force."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -208,10 +208,10 @@ def clipped(channel: Array) -> bool:
     return _stays(channel, channel.max()) or _stays(channel, channel.min())
 
 
-def _stays(channel: Array, end: float) -> bool:
+def _stays(channel: Array, end: float, count: int = CLIPPED) -> bool:
     at = np.concatenate([[False], np.abs(channel - end) <= 1e-9 * np.ptp(channel), [False]])
     edges = np.flatnonzero(np.diff(at.astype(np.int8)))
-    return bool(np.any(edges[1::2] - edges[::2] >= CLIPPED))
+    return bool(np.any(edges[1::2] - edges[::2] >= count))
 
 
 def _unresolved(f: Array, values: ComplexArray, window: str, end: float) -> list[str]:
@@ -300,11 +300,14 @@ def blows(
     return found
 
 
+OVERLOADED = "the force is overloaded"
+
+
 def _fault(force: Array, responses: Array, quiet: float) -> str:
     k = int(np.argmax(force))
     peak = force[k]
     if _stays(force, peak):
-        return "the force is overloaded"
+        return OVERLOADED
     if any(clipped(responses[:, c]) for c in range(responses.shape[1])):
         return "a response is overloaded"
     below = np.flatnonzero(force[k:] < OVER * peak)
@@ -328,6 +331,12 @@ def struck(found: Sequence[Blow], rate: float, *, decay: float = 0.0, estimator:
     ------
     BadInput : every blow has a fault.
     """
+    tops = [float(np.abs(one.force).max()) for one in found]
+    flat = [k for k, one in enumerate(found) if _stays(np.abs(one.force), tops[k], FLAT)]
+    for k in flat:  # a pulse is over before it stays for long, but no two different ones end at one force
+        same = (found[j].force for j in flat if abs(tops[j] - tops[k]) <= 1e-9 * tops[k])
+        if any(not np.allclose(np.sort(np.abs(one))[-8:], np.sort(np.abs(found[k].force))[-8:], rtol=1e-6) for one in same):
+            found = [replace(one, fault=one.fault or OVERLOADED) if j == k else one for j, one in enumerate(found)]
     good = [one for one in found if not one.fault]
     warnings = [f"{source}: the blow at {one.at:.4g} s is left out, {one.fault}" for one in found if one.fault]
     if not good:

@@ -631,6 +631,21 @@ def test_double_hits_overload_and_blows_beside_their_point_are_said_by_blow() ->
         response_estimates.struck(found[1:3], RATE)
 
 
+def test_short_blows_that_end_at_one_force_are_overloaded_and_copies_of_one_are_not() -> None:
+    """A blow of six samples is flat for two or three where its amplifier ends, and never was for five."""
+    force, size = np.zeros(6 * 4 * RATE), np.array([0.9, 0.6, 1.1, 0.5, 1.0, 0.55])
+    pulse = np.sin(np.pi * np.arange(1, 7) / 7)
+    for k, one in enumerate(size):
+        force[4 * RATE * k + 100 : 4 * RATE * k + 106] = 100 * one * pulse
+    x = answer(force)
+    found = response_estimates.blows(np.minimum(force, 75.0), x[:, None], RATE, block=3.8)
+    made = response_estimates.struck(found, RATE)
+    assert made.averages == 3
+    assert sum("left out, the force is overloaded" in one for one in made.warnings) == 3
+    same = response_estimates.blows(np.tile(force[: 4 * RATE], 6), np.tile(x[: 4 * RATE], 6)[:, None], RATE, block=3.8)
+    assert response_estimates.struck(same, RATE).averages == 6
+
+
 def test_a_record_without_a_hit_and_a_clipped_channel_are_refused() -> None:
     rng = np.random.default_rng(3)
     noise = rng.standard_normal(8 * RATE)
