@@ -499,6 +499,7 @@ def _of_records(
     reach = inf
     for members in together.values():
         path, _, drives, responses = members[0]
+        names = [one.name for one in responses]
         blows: list[response_estimates.Blow] = []
         for path, entry, _, _ in members:
             rate, force, read = _record(path, entry, table, len(drives), responses, source)
@@ -509,11 +510,12 @@ def _of_records(
                 window = str(how.get("window", "hann"))
                 band = table.get("band")
                 end = max((one for one in band if isinstance(one, int | float)), default=inf) if isinstance(band, list) else inf
+                how_long = {"block": block, "overlap": overlap, "end": end}
                 made = response_estimates.shaken(
-                    force, read, rate, block=block, overlap=overlap, window=window, estimator=of, source=str(path), end=end
+                    force, read, rate, **how_long, window=window, estimator=of, source=str(path), names=names
                 )
             else:
-                blows += response_estimates.blows(force[:, 0], read, rate, block=block, source=str(path))
+                blows += response_estimates.blows(force[:, 0], read, rate, block=block, source=str(path), names=names)
                 made = None
         if made is None:
             made = response_estimates.struck(blows, rate, decay=decay, estimator=of, source=str(path))

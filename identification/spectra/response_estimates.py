@@ -94,6 +94,7 @@ def shaken(
     estimator: str = H1,
     source: str = "record",
     end: float = inf,
+    names: Sequence[str] = (),
 ) -> Estimate:
     """Of a structure that is shaken all the time.
 
@@ -105,6 +106,7 @@ def shaken(
     overlap : share of a block that the next one has in common with it
     window : as `scipy.signal.get_window` knows it, such as hann or boxcar
     end : [Hz] up to which a peak is of interest
+    names : of the responses, where they have some
 
     Raises
     ------
@@ -115,8 +117,9 @@ def shaken(
     f, x = np.asarray(force, dtype=np.float64), np.asarray(responses, dtype=np.float64)
     _require_alive(f, x, source)
     several = f.shape[1]
-    names = [f"force {k + 1}" if several > 1 else "force" for k in range(several)]
-    for name, channel in zip([*names, *(f"response {k + 1}" for k in range(x.shape[1]))], np.hstack([f, x]).T, strict=True):
+    forces = [f"force {k + 1}" if several > 1 else "force" for k in range(several)]
+    read = names or [f"response {k + 1}" for k in range(x.shape[1])]
+    for name, channel in zip([*forces, *read], np.hstack([f, x]).T, strict=True):
         if clipped(channel):
             problem = "is clipped: it stays at the end of its range for several samples"
             raise BadInput(source=source, field=name, problem=problem, remedy="Record it again in a wider range")
@@ -255,13 +258,20 @@ class Blow:
 
 
 def blows(
-    force: npt.ArrayLike, responses: npt.ArrayLike, rate: float, *, block: float = 0.0, source: str = "record"
+    force: npt.ArrayLike,
+    responses: npt.ArrayLike,
+    rate: float,
+    *,
+    block: float = 0.0,
+    source: str = "record",
+    names: Sequence[str] = (),
 ) -> list[Blow]:
     """The blows of a record, each with its faults: double hits, overload.
 
     Parameters
     ----------
     block : [s] from a little before a blow; 0 for the time to the next one
+    names : of the responses, where they have some
 
     Raises
     ------
@@ -293,7 +303,7 @@ def blows(
         own, answer = f[start : start + size], x[start : start + size] - x[start : max(start + 1, (start + k) // 2)].mean(axis=0)
         if len(own) < size or size < 16:
             continue
-        found.append(Blow(at=k / rate, force=own, responses=answer, fault=_fault(sign * own, answer, quiet)))
+        found.append(Blow(at=k / rate, force=own, responses=answer, fault=_fault(sign * own, answer, quiet, names)))
     if not found:
         problem = f"a block of {block:g} s does not fit behind any blow of a record of {len(f) / rate:g} s"
         raise BadInput(source=source, field="records.block", problem=problem, remedy="Give a shorter one")
@@ -303,13 +313,13 @@ def blows(
 OVERLOADED = "the force is overloaded"
 
 
-def _fault(force: Array, responses: Array, quiet: float) -> str:
+def _fault(force: Array, responses: Array, quiet: float, names: Sequence[str]) -> str:
     k = int(np.argmax(force))
     peak = force[k]
     if _stays(force, peak):
         return OVERLOADED
-    if any(clipped(responses[:, c]) for c in range(responses.shape[1])):
-        return "a response is overloaded"
+    if over := [c for c in range(responses.shape[1]) if clipped(responses[:, c])]:
+        return f"{', '.join(names[c] for c in over) if names else 'a response'} is overloaded"
     below = np.flatnonzero(force[k:] < OVER * peak)
     early = np.flatnonzero(force[:k] > max(AGAIN * peak, quiet))
     after = force[k + below[0] :] if len(below) else np.zeros(0)

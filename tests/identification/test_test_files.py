@@ -656,6 +656,10 @@ def test_a_record_without_a_hit_and_a_clipped_channel_are_refused() -> None:
     loud = np.clip(np.convolve(noise, np.ones(30), mode="same"), -4, 4)
     with pytest.raises(BadInput, match="clipped"):
         response_estimates.shaken(noise[:, None], loud[:, None], RATE)
+    force, x = blows_of(0.01)
+    for names, said in ((["tip-z"], "tip-z is overloaded"), ([], "a response is overloaded")):
+        found = response_estimates.blows(force, np.minimum(x, 0.3 * x.max())[:, None], RATE, block=3.8, names=names)
+        assert [one.fault for one in found] == [said] * 4
 
 
 def test_records_in_files_become_functions_with_their_coherence(tmp_path: Path) -> None:

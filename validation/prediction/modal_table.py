@@ -519,6 +519,7 @@ def of(
     """
     points.require_places(table.sensors, structure.nominal.places, structure.configuration, table.source)
     modes = real_modes(structure.nominal)
+    _require_hertz(table, modes.frequency)
     try:
         table = since_before(modes, table)
         every = partners(modes, table)
@@ -575,6 +576,31 @@ def of(
         table=table,
     )
     return frequencies, shapes
+
+
+TAKEN_FOR_HERTZ = {"rad/s": 2 * np.pi, "cycles per minute": 60.0, "kHz": 1e-3}
+"""What one hertz is in units that are taken for it."""
+
+ONE_UNIT = 0.1
+"""[log] Scatter of what frequencies are in that of a model, and how far its mean may lie from a unit, to be in that unit. Held by
+tests/validation/prediction/test_modal_table.py."""
+
+
+def _require_hertz(table: ModalTable, f: Array) -> None:
+    """Refuse frequencies that are those of the model, one after the other, but for the factor of another unit.
+
+    Raises
+    ------
+    BadInput : rad/s, cycles per minute or kilohertz where hertz are asked for.
+    """
+    for unit, size in TAKEN_FOR_HERTZ.items() if len(table.frequency) > 2 else ():
+        own = np.sort(f[np.isfinite(f) & (size * f > SLOWEST * table.frequency.min())])[: len(table.frequency)]
+        if len(own) == len(table.frequency):
+            off = np.log(np.sort(table.frequency) / own / size)
+            if np.std(off) < ONE_UNIT and abs(np.mean(off)) < ONE_UNIT:
+                problem = f"are {size * np.exp(np.mean(off)):.3g} times those of the model, all {len(own)} within "
+                problem += f"{100 * np.ptp(off):.2g} % of each other: they look like {unit}"
+                raise BadInput(source=table.source, field="frequencies", problem=problem, remedy="Write them in hertz")
 
 
 def _by_line(rows: ComplexArray, count: int) -> ComplexArray:
