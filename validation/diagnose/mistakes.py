@@ -761,7 +761,8 @@ def _of_channels(
 
 
 def _shared_factor(y: ComplexArray, p: ComplexArray) -> ComplexArray:
-    """(m,) y / p of every row, of each channel's own ratio the one that the others contradict least."""
+    """(m,) y / p of every row that most channels of `y` (m, c) agree on: by the one channel of a row that the others contradict
+    least, or over all rows by all channels but one or two."""
     costs, told = [], []
     for k in range(y.shape[1]):
         ratio = y[:, k] / np.where(np.abs(p[:, k]) > TINY, p[:, k], TINY)
@@ -770,15 +771,28 @@ def _shared_factor(y: ComplexArray, p: ComplexArray) -> ComplexArray:
         off = np.abs(y - ratio[:, None] * p) / np.maximum(np.abs(y) + due, TINY)
         costs.append(np.where(weight, np.sum(off**2 / (off**2 + DISTANT**2), axis=1), np.inf))
         told.append(np.where(np.abs(ratio) > TINY, ratio, 1.0))
-    best = np.argmin(costs, axis=0)
-    factor = np.array(told)[best, np.arange(len(y))]
+    factors = [np.array(told)[np.argmin(costs, axis=0), np.arange(len(y))]]
+    every = range(y.shape[1])
+    for left_out in [(k,) for k in every] + (list(combinations(every, 2)) if len(every) <= MOST_SWAPPED else []):
+        factors.append(_over(y, p, ~np.isin(every, left_out)))
+
+    def contradicted(factor: ComplexArray) -> tuple[int, float]:
+        d = distance((y / factor[:, None])[None], p[None])
+        return int(np.sum(d >= NEAR)), float(np.sum(d**2 / (d**2 + DISTANT**2)))
+
+    factor = min(factors, key=contradicted)
     for _ in range(ROUNDS):  # again from all that are near, over all rows
         near = distance(y[None] / factor[None, :, None], p[None]) < NEAR
         if not np.any(near):
             break
-        factor = np.sum(y[:, near] * p[:, near].conj(), axis=1) / np.maximum(np.sum(np.abs(p[:, near]) ** 2, axis=1), TINY)
-        factor = np.where(np.abs(factor) > TINY, factor, 1.0)
+        factor = _over(y, p, near)
     return np.asarray(factor)
+
+
+def _over(y: ComplexArray, p: ComplexArray, kept: npt.NDArray[np.bool_]) -> ComplexArray:
+    """(m,) y / p of every row by the channels that are `kept` (c,), in least squares."""
+    factor = np.sum(y[:, kept] * p[:, kept].conj(), axis=1) / np.maximum(np.sum(np.abs(p[:, kept]) ** 2, axis=1), TINY)
+    return np.asarray(np.where(np.abs(factor) > TINY, factor, 1.0))
 
 
 def _cause(

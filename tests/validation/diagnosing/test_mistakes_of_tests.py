@@ -132,6 +132,9 @@ members = { a = ["foot", "low"], b = ["low", "mid"], d = ["mid", "high"], e = ["
     ("more", "kind", "text"),
     [
         (PORTAL, "modes", "polarity:n-x"),  # two modes 12 % apart then looked like each other, and all shapes like neither
+        (PORTAL, "functions", "unit:q-z=0.101971621"),  # the loudest was right, and all others ten times too large
+        (PORTAL, "functions", "wrong-place:n-x:m"),  # three that read alike outvoted the rest near antiresonances
+        (PORTAL, "functions", "channel-swap:m-x:c-x"),  # and one of the two was at another place
         (COLUMN, "functions", "wrong-reference:high-x:top-x"),  # where most modes have the same sign at both, none was named
     ],
 )
@@ -141,7 +144,8 @@ def test_a_mistake_is_named_where_shapes_are_near_each_other(more: str, kind: st
     portal = more == PORTAL
     points = ("m:x", "c:x", "k:x", "n:x", "q:z", "q:x") if portal else ("low:x", "mid:x", "high:x", "top:x")
     given = {"noise": 1.0, "tolerances": 1.0, "band": (10.0, 390.0) if portal else (10.0, 1500.0)}
-    given |= {"drives": () if portal else ("mid:x", "high:x"), "responses": points, "block": 0.0}
+    drives = ("c:x", "q:z") if portal else ("mid:x", "high:x")
+    given |= {"drives": drives if kind == "functions" else (), "responses": points, "block": 0.0}
     plan = structure_tests.plan_of(str(model), kind=kind, effects=(text,), seed=1, **given)  # type: ignore[arg-type]
     structure_tests.simulate(plan).fill(tmp_path / "test")
     assert named(Study.open(str(model), [str(tmp_path / "test" / "test.toml")])) == [str(parse(text, ANY))]
@@ -179,9 +183,10 @@ def test_a_place_is_wrong_where_what_else_moves_is_as_expected_and_not_by_what_h
 
 
 def test_what_should_be_at_rest_has_no_vote_in_how_large_a_mode_is() -> None:
-    p = np.array([[-1.413, -0.005, 0.002, 1.418, 1.412, -0.002]])
+    rest, sway = [-1.413, -0.005, 0.002, 1.418, 1.412, -0.002], [-0.58, -1.33, -1.33, -0.58, 0.0, -1.33]
+    p, wrong = np.array([rest, sway]), np.array([0.7, 0.7, 0.7, -0.7, 0.7, 0.7])
     for noise in (-0.7, 0.0, 0.7):  # of what is due there, with the sign of the fourth, which is wrong
-        y = np.where(np.abs(p) < 0.1, noise * p, p * [[0.7, 1, 1, -0.7, 0.7, 1]])
+        y = np.where(np.abs(p) < 0.1, noise * p, p * wrong)
         assert _shared_factor(y.astype(complex), p.astype(complex)).real == pytest.approx(0.7, rel=0.03)
 
 
