@@ -712,18 +712,6 @@ def _of_channels(
         _unit_cause(names[each.channel], abs(each.factor), each.units, each.gain) for each in taken if abs(each.factor) != 1
     ]
     distances = [each.distance([readings]) for each in taken]
-    if not causes and max(distances) > FAR and c <= MOST_SWAPPED:
-        # Of few channels two that are exchanged may agree with each other: each pair by itself, with a factor of its own
-        trials = {}
-        for pair in combinations(range(c), 2):
-            order = list(range(c))
-            order[pair[0]], order[pair[1]] = pair[1], pair[0]
-            turned = y[:, order]
-            trials[pair] = float(distance((turned / _shared_factor(turned, p)[:, None])[None], p[None]).max())
-        exchanged = min(trials, key=lambda pair: trials[pair])
-        if trials[exchanged] < NEAR:
-            nats = (max(distances) ** 2 - trials[exchanged] ** 2) / OFF**2 * min(len(y), independent)
-            return [_cause("channel-swap", (names[exchanged[0]], names[exchanged[1]]), float(nats))]
     # By what the others read, the model must be right: channels that hardly move agree with anything
     squares, agree = np.mean(np.abs(p) ** 2, axis=0), np.array(distances) < NEAR
     for k, (each, away) in enumerate(zip(taken, distances, strict=True)):
