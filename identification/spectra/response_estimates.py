@@ -58,6 +58,9 @@ LOUD = 5.0
 CLIPPED, FLAT = 5, 2
 """Samples in a row at the end of its range that no channel has; those at the tops of different blows, all at one force."""
 
+RETURNS, ROUNDED = 3, 4.0
+"""[count] of times that no signal without limits has one largest value; [steps of its converter] from which it jumps there."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Estimate:
@@ -121,7 +124,7 @@ def shaken(
     read = names or [f"response {k + 1}" for k in range(x.shape[1])]
     for name, channel in zip([*forces, *read], np.hstack([f, x]).T, strict=True):
         if clipped(channel):
-            problem = "is clipped: it stays at the end of its range for several samples"
+            problem = "is clipped: it stays at the end of its range, or ends there again and again"
             raise BadInput(source=source, field=name, problem=problem, remedy="Record it again in a wider range")
     size = round((block or len(f) / rate / BLOCKS) * rate)
     step = max(1, round(size * (1 - overlap)))
@@ -207,8 +210,16 @@ def _require_alive(force: Array, responses: Array, source: str) -> None:
 
 
 def clipped(channel: Array) -> bool:
-    """Whether a channel (n,) stays at its largest or least value for `CLIPPED` samples in a row."""
-    return _stays(channel, channel.max()) or _stays(channel, channel.min())
+    """Whether a channel (n,) stays at its largest or least value for `CLIPPED` samples in a row, or comes there, and no further,
+    from `RETURNS` different values, none of them within rounding of it."""
+    resolution = float(np.diff(np.unique(channel)).min())
+    for end in (channel.max(), channel.min()):
+        at = np.abs(channel - end) <= 1e-9 * np.ptp(channel)
+        before = channel[:-1][at[1:] & ~at[:-1]]
+        far = before[np.abs(before - end) > max(ROUNDED * resolution, 1e-6 * np.ptp(channel))]
+        if _stays(channel, end) or len(np.unique(np.round(far / (1e-6 * np.ptp(channel))))) >= RETURNS:
+            return True
+    return False
 
 
 def _stays(channel: Array, end: float, count: int = CLIPPED) -> bool:

@@ -656,6 +656,12 @@ def test_a_record_without_a_hit_and_a_clipped_channel_are_refused() -> None:
     loud = np.clip(np.convolve(noise, np.ones(30), mode="same"), -4, 4)
     with pytest.raises(BadInput, match="clipped"):
         response_estimates.shaken(noise[:, None], loud[:, None], RATE)
+    hard = np.clip(noise, -3.0, 3.0)  # a random force that its amplifier limits is there for a sample or two at a time
+    with pytest.raises(BadInput, match="`force`: is clipped"):
+        response_estimates.shaken(hard[:, None], noise[:, None], RATE)
+    sine = np.sin(2 * np.pi * np.arange(8 * RATE) / 64)
+    for sound in (np.round(noise * 100) / 100, np.tile(noise[:RATE], 8), sine, np.round(200 * sine + noise)):
+        assert not response_estimates.clipped(sound)
     force, x = blows_of(0.01)
     for names, said in ((["tip-z"], "tip-z is overloaded"), ([], "a response is overloaded")):
         found = response_estimates.blows(force, np.minimum(x, 0.3 * x.max())[:, None], RATE, block=3.8, names=names)
