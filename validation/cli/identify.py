@@ -112,8 +112,8 @@ def identify_command(ctx: click.Context, /, plot: bool, out: Path | None, as_jso
 def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool, out: Path | None) -> None:
     """What the folder CAMPAIGN holds: channels, runs, levels, noise, which motions and forces can be told. And all that is wrong.
 
-    CAMPAIGN may be the TOML file of a test of any structure, too, or of a model with its [[test]], or a universal file of
-    response functions or modes: what is in it, and the table by which a model reads it.
+    CAMPAIGN may be the TOML file of a test of any structure, too, or its folder, a model with its [[test]], or a universal file
+    of response functions or modes: what is in it, and the table by which a model reads it.
 
     Exit code 0 when nothing is wrong, 1 when the data can be used but there are warnings to read, 2 when they cannot be used as
     they are.

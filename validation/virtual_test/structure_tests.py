@@ -276,7 +276,10 @@ def tested(plan: StructurePlan) -> TestedStructure:
     if users is None or not isinstance(users.model, Structure):
         problem = f"{plan.article} has no matrices, mesh or frame"
         raise BadInput(source=plan.model.source, field="article", problem=problem, remedy="Name its file in [structure.own]")
-    made, damping = users.model, users.damping
+    damping, made = users.damping, users.model
+    where = {one.place: position(one.place) for one in (*plan.drives, *plan.responses)}
+    written = {name: place_rows(made, at, plan.model.source, name)[0] for name, at in where.items() if at is not None}
+    made = replace(made, places={**made.places, **written})
     ratio = plan.model.damping_ratio
     losses: dict[str, float] = dict(damping.loss_factors) if damping is not None and ratio is None else {}
     usual = 0.003 if not losses else 0.0
@@ -703,7 +706,7 @@ def plan_of(
     if axis:
         toml_file.one_of(axis, tuple("xyz"), source="--axis", where="")
     driven = () if based else listed(drives, ("drive",), "--drive")
-    for at in (each for each in (*driven, *seen) if each.place not in users.model.places):
+    for at in (each for each in (*driven, *seen) if position(each.place) is None and each.place not in users.model.places):
         remedy = f"Its places are {', '.join(list(users.model.places)[:20])}"
         raise BadInput(source=path, field=at.place, problem="the structure has no such place", remedy=remedy)
     limits = band or tuple(own.get("band", ())) or None
