@@ -121,31 +121,10 @@ class Piece:
     quantity: str = ""
 
 
-KEYS = [
-    "format",
-    "kind",
-    "title",
-    "article",
-    "file",
-    "files",
-    "drive",
-    "responses",
-    "direction",
-    "places",
-    "separator",
-    "columns",
-    "parts",
-    "unit",
-    "quantity",
-    "inverted",
-    "band",
-    "gain",
-    "force_gain",
-    "share",
-    "decay",
-    "records",
-    "coordinates",
-]
+KEYS = (
+    *("format", "kind", "title", "article", "file", "files", "drive", "responses", "direction", "places", "separator", "columns"),
+    *("parts", "unit", "quantity", "inverted", "band", "gain", "force_gain", "share", "decay", "records", "coordinates"),
+)
 """Of a test of this kind; `of_table` says what they mean."""
 
 
