@@ -54,6 +54,12 @@ FOLDERS = {"campaign.toml": "a campaign", "test.toml": "a test"}
 """Whose folder it is that holds the file."""
 
 
+def described_in(path: str) -> str:
+    """The test.toml of the folder `path`, as `massline simulate --test` writes one; `path` of all else, and of a campaign."""
+    campaign, test = (Path(path, name) for name in FOLDERS)
+    return str(test) if test.is_file() and not campaign.exists() else path
+
+
 def require_no_other(path: Path) -> None:
     """Refuse a deck or a mesh, with how it becomes a description, and a universal file, of which another argument is made."""
     if not path.is_file():

@@ -671,12 +671,27 @@ def _table(folder: Path, path: Path) -> Mapping[str, object]:
         remedy = "Check the path" if problem.endswith("file") else f"Name the folder that holds {NAME}"
         raise BadInput(source=str(folder), problem=problem, remedy=remedy)
     if not path.exists() and not path.is_symlink():
-        itself = "the folder of the campaign itself" if not (folder / "test.toml").is_file() else str(folder / "test.toml")
-        raise BadInput(source=str(folder), problem=f"it holds no {NAME}", remedy=f"Name {itself}")
+        raise _undescribed(folder)
     require_file(path)
     if path.stat().st_size > LARGEST_TEXT:
         raise BadInput(source=str(path), problem="it is larger than any campaign.toml", remedy="Check what it holds")
     return toml_file.read(path)
+
+
+def _undescribed(folder: Path) -> BadInput:
+    """What a folder without campaign.toml is, and what to do: recordings alone do not say where force and pick-ups were."""
+    records = sorted(path.name for path in folder.iterdir() if path.is_file() and path.suffix.lower() in files.FORMATS)
+    problem, remedy = f"it holds no {NAME}", "Name the folder of the campaign itself"
+    if records:
+        more = f" and {len(records) - 1} more" if len(records) > 1 else ""
+        problem += f", nor a test.toml that says where {records[0]}{more} were driven and read"
+        named = f'{{ path = "{records[0]}", drive = "tip:z" }}{", ..." if more else ""}'
+        remedy = (
+            "Write test.toml beside them, for blows of a hammer for example: format = 1, "
+            f'kind = "response-functions", article = "mine", files = [{named}], responses = ["tip:z", "root:z"], '
+            'records = { kind = "hammer" }; for a shaker table campaign.toml; docs/model-file.md and docs/campaigns.md'
+        )
+    return BadInput(source=str(folder), problem=problem, remedy=remedy)
 
 
 def _recorded(folder: Path, run: campaigns.Run, campaign: campaigns.Campaign, problems: Problems) -> campaigns.Recording | None:

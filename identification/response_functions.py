@@ -121,11 +121,10 @@ class Piece:
     quantity: str = ""
 
 
-KEYS = [
-    *("format", "kind", "title", "article", "file", "files", "drive", "responses", "direction", "places", "separator"),
-    *("columns", "parts", "unit", "quantity", "inverted", "band", "gain", "force_gain", "share", "decay", "records"),
-    *("coordinates",),
-]
+KEYS = (
+    *("format", "kind", "title", "article", "file", "files", "drive", "responses", "direction", "places", "separator", "columns"),
+    *("parts", "unit", "quantity", "inverted", "band", "gain", "force_gain", "share", "decay", "records", "coordinates"),
+)
 """Of a test of this kind; `of_table` says what they mean."""
 
 
@@ -479,6 +478,7 @@ def _of_records(
     reach = inf
     for members in together.values():
         path, _, drives, responses = members[0]
+        names = [one.name for one in responses]
         blows: list[response_estimates.Blow] = []
         for path, entry, _, _ in members:
             rate, force, read = _record(path, entry, table, len(drives), responses, source)
@@ -489,11 +489,12 @@ def _of_records(
                 window = str(how.get("window", "hann"))
                 band = table.get("band")
                 end = max((one for one in band if isinstance(one, int | float)), default=inf) if isinstance(band, list) else inf
+                how_long = {"block": block, "overlap": overlap, "end": end}
                 made = response_estimates.shaken(
-                    force, read, rate, block=block, overlap=overlap, window=window, estimator=of, source=str(path), end=end
+                    force, read, rate, **how_long, window=window, estimator=of, source=str(path), names=names
                 )
             else:
-                blows += response_estimates.blows(force[:, 0], read, rate, block=block, source=str(path))
+                blows += response_estimates.blows(force[:, 0], read, rate, block=block, source=str(path), names=names)
                 made = None
         if made is None:
             made = response_estimates.struck(blows, rate, decay=decay, estimator=of, source=str(path))
@@ -556,7 +557,8 @@ def _record(
             problem = "it holds functions of frequency where records of time are needed"
             raise BadInput(source=str(path), problem=problem, remedy="Take `records` out of the test")
         known = tuple(signals.samples)
-        wanted = [*forces, *(columns.get(one.name, [one.name])[0] for one in responses)]
+        called = _called(known, responses) or {}
+        wanted = [*forces, *({**called, **columns}.get(one.name, [one.name])[0] for one in responses)]
         for name in wanted:
             if name not in known:
                 remedy = f"Name the channels in `columns`; there are {', '.join(known)}"
@@ -569,13 +571,14 @@ def _record(
         whole = np.column_stack([scaled[name] for name in wanted])
         return signals.sampling_rate, whole[:, :count], whole[:, count:]
     text = text_table.read(path, str(table.get("separator", "")))
+    columns = {**(_called(text.header, responses) or {}), **columns}
     at = {key: text.column(names[0], f"columns.{key}") for key, names in columns.items()}
     axis = at.get("time", 0)
     stated = "force" in entry.get("columns", {})
-    first = next(k for k in range(len(text.cells[0])) if k != axis)
+    named = [at[one.name] for one in responses if one.name in at]
+    first = next((k for k in range(len(text.cells[0])) if k not in (axis, *named)), axis)
     driven = [text.column(name, "columns.force") for name in forces] if stated else [first]
     rest = [k for k in range(len(text.cells[0])) if k not in (axis, *driven)]
-    named = [at[one.name] for one in responses if one.name in at]
     if not named and len(rest) == len(responses):
         named = rest
     if len(named) != len(responses):
@@ -654,7 +657,8 @@ def _of_signals(
     if signals.frequency is None:
         problem = "it holds time histories where functions of frequency are needed"
         raise BadInput(source=str(path), problem=problem, remedy="Write records = { } to make functions of them")
-    columns, known = _columns(entry, responses, source), tuple(signals.samples)
+    known = tuple(signals.samples)
+    columns = {**(_called(known, responses) or {}), **_columns(entry, responses, source)}
     names = [
         columns.get(one.name, [one.name if one.name in known or len(known) != len(responses) else known[k]])
         for k, one in enumerate(responses)
@@ -686,6 +690,17 @@ def _columns(entry: Mapping[str, Any], responses: Sequence[Point], source: str) 
     }
 
 
+def _called(known: Sequence[str], responses: Sequence[Point], each: int = 1) -> dict[str, list[str]] | None:
+    """By response the `each` names of `known` that begin with its own, however it is punctuated; None where not all have them."""
+
+    def plain(name: str) -> str:
+        return re.sub(r"[\W_]+", "-", name.lower()).strip("-") + "-"
+
+    found = {one.name: [name for name in known if plain(name).startswith(plain(one.name))] for one in responses}
+    taken = [name for names in found.values() for name in names]
+    return found if all(len(names) == each for names in found.values()) and len(set(taken)) == len(taken) else None
+
+
 def _of_text(
     path: Path, entry: Mapping[str, Any], table: Mapping[str, Any], responses: Sequence[Point], source: str
 ) -> tuple[Array, list[ComplexArray]]:
@@ -695,6 +710,8 @@ def _of_text(
     axis = text.column(named["frequency"][0], "columns.frequency") if "frequency" in named else 0
     rest = [k for k in range(count) if k != axis]
     each = 2 if len(rest) == 2 * len(responses) else 1
+    called = _called(text.header, responses, 2) or (_called(text.header, responses) if each == 1 else None)
+    named = {**(called or {}), **named}
     if not all(one.name in named for one in responses) and len(rest) != each * len(responses):
         problem = f"it has {len(rest)} columns beside the frequency, neither one nor two for each of {len(responses)} responses"
         raise BadInput(

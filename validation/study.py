@@ -69,6 +69,9 @@ class Options:
     leave_out: tuple[str, ...] = ()
     effects_from: tuple[str, ...] = ()
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "data", tuple(map(toml_file.described_in, self.data)))
+
     @property
     def spectra(self) -> str:
         """The method that is used."""

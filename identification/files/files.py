@@ -183,6 +183,9 @@ LARGEST = 1e12
 MOST_DECIMALS = 9
 """Time stamps of more decimals are taken as complete."""
 
+SIGNIFICANT = range(6, 11)
+"""Significant digits with which programs print every time stamp."""
+
 
 def roundest(low: float, high: float) -> float:
     """The number of fewest decimal digits from `low` to `high`, both positive: what somebody set before it was rounded."""
@@ -216,25 +219,31 @@ def rate_of_times(time: Array, source: str, field: str) -> float:
     if usual <= 0 or span <= 0:
         raise refused(f"must ascend, found a median step of {usual:g} s")
     off = np.abs(time - time[0] - span / count * np.arange(len(time)))
-    if np.any(off > np.clip(2 * _rounding(time), EVEN * usual, UNEVEN * usual)):
+    rounding = _rounding(time)
+    if np.any(off > np.clip(rounding + max(rounding[0], rounding[-1]), EVEN * usual, UNEVEN * usual)):
         k = int(np.argmax(np.abs(steps - usual)))
         raise refused(
             f"is sampled unequally: row {k + 2} comes {steps[k]:.6g} s after the one before it, most come {usual:.6g} s after"
         )
-    ends = float(_rounding(time)[[0, -1]].sum())
+    ends = float(rounding[[0, -1]].sum())
     return roundest(count / (span + ends), count / max(span - ends, span / 2))
 
 
 def _rounding(time: Array) -> Array:
-    """Half a unit of the last digit that each of the time stamps (n,) [s] was printed with: so many decimals, or six digits."""
-    largest = float(np.abs(time).max())
-    binary = 4 * np.finfo(np.float64).eps * largest
+    """Half a unit of the last digit that each of the time stamps (n,) [s] was printed with, of so many decimals or digits."""
+    size, exact = np.abs(time), 4 * np.finfo(np.float64).eps
+    binary = exact * float(size.max())
+    found = np.full(len(time), binary)
     for decimals in range(MOST_DECIMALS):
         if np.all(np.abs(np.round(time, decimals) - time) <= binary):
-            return np.full(len(time), 0.5 * 10.0**-decimals)
-    if all(float(f"{one:.5e}") == one for one in time.tolist()):
-        return 5e-6 * np.abs(time)
-    return np.full(len(time), binary)
+            found = np.full(len(time), 0.5 * 10.0**-decimals)
+            break
+    decade = np.floor(np.log10(np.where(size > 0, size, 1.0)))
+    for digits in SIGNIFICANT:
+        unit = 10.0 ** (decade + 1 - digits)
+        if np.all(np.abs(np.round(time / unit) * unit - time) <= exact * size):
+            return np.asarray(np.maximum(found, unit / 2))
+    return found
 
 
 def require_lines(frequency: Array, source: str, field: str) -> None:

@@ -16,7 +16,7 @@ there has the window too, and no damping needs to be taken off (W. G. Halvorsen 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
@@ -55,8 +55,11 @@ RINGS = 0.05
 LOUD = 5.0
 """[standard deviations] by which it is above noise there. By definition: of some hundred samples."""
 
-CLIPPED = 5
-"""Samples in a row at the end of a channel's range that no signal has."""
+CLIPPED, FLAT = 5, 2
+"""Samples in a row at the end of its range that no channel has; those at the tops of different blows, all at one force."""
+
+RETURNS, ROUNDED = 3, 4.0
+"""[count] of times that no signal without limits has one largest value; [steps of its converter] from which it jumps there."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -94,6 +97,7 @@ def shaken(
     estimator: str = H1,
     source: str = "record",
     end: float = inf,
+    names: Sequence[str] = (),
 ) -> Estimate:
     """Of a structure that is shaken all the time.
 
@@ -105,6 +109,7 @@ def shaken(
     overlap : share of a block that the next one has in common with it
     window : as `scipy.signal.get_window` knows it, such as hann or boxcar
     end : [Hz] up to which a peak is of interest
+    names : of the responses, where they have some
 
     Raises
     ------
@@ -115,10 +120,11 @@ def shaken(
     f, x = np.asarray(force, dtype=np.float64), np.asarray(responses, dtype=np.float64)
     _require_alive(f, x, source)
     several = f.shape[1]
-    names = [f"force {k + 1}" if several > 1 else "force" for k in range(several)]
-    for name, channel in zip([*names, *(f"response {k + 1}" for k in range(x.shape[1]))], np.hstack([f, x]).T, strict=True):
+    forces = [f"force {k + 1}" if several > 1 else "force" for k in range(several)]
+    read = names or [f"response {k + 1}" for k in range(x.shape[1])]
+    for name, channel in zip([*forces, *read], np.hstack([f, x]).T, strict=True):
         if clipped(channel):
-            problem = "is clipped: it stays at the end of its range for several samples"
+            problem = "is clipped: it stays at the end of its range, or ends there again and again"
             raise BadInput(source=source, field=name, problem=problem, remedy="Record it again in a wider range")
     size = round((block or len(f) / rate / BLOCKS) * rate)
     step = max(1, round(size * (1 - overlap)))
@@ -204,14 +210,22 @@ def _require_alive(force: Array, responses: Array, source: str) -> None:
 
 
 def clipped(channel: Array) -> bool:
-    """Whether a channel (n,) stays at its largest or least value for `CLIPPED` samples in a row."""
-    return _stays(channel, channel.max()) or _stays(channel, channel.min())
+    """Whether a channel (n,) stays at its largest or least value for `CLIPPED` samples in a row, or comes there, and no further,
+    from `RETURNS` different values, none of them within rounding of it."""
+    resolution = float(np.diff(np.unique(channel)).min())
+    for end in (channel.max(), channel.min()):
+        at = np.abs(channel - end) <= 1e-9 * np.ptp(channel)
+        before = channel[:-1][at[1:] & ~at[:-1]]
+        far = before[np.abs(before - end) > max(ROUNDED * resolution, 1e-6 * np.ptp(channel))]
+        if _stays(channel, end) or len(np.unique(np.round(far / (1e-6 * np.ptp(channel))))) >= RETURNS:
+            return True
+    return False
 
 
-def _stays(channel: Array, end: float) -> bool:
+def _stays(channel: Array, end: float, count: int = CLIPPED) -> bool:
     at = np.concatenate([[False], np.abs(channel - end) <= 1e-9 * np.ptp(channel), [False]])
     edges = np.flatnonzero(np.diff(at.astype(np.int8)))
-    return bool(np.any(edges[1::2] - edges[::2] >= CLIPPED))
+    return bool(np.any(edges[1::2] - edges[::2] >= count))
 
 
 def _unresolved(f: Array, values: ComplexArray, window: str, end: float) -> list[str]:
@@ -255,13 +269,20 @@ class Blow:
 
 
 def blows(
-    force: npt.ArrayLike, responses: npt.ArrayLike, rate: float, *, block: float = 0.0, source: str = "record"
+    force: npt.ArrayLike,
+    responses: npt.ArrayLike,
+    rate: float,
+    *,
+    block: float = 0.0,
+    source: str = "record",
+    names: Sequence[str] = (),
 ) -> list[Blow]:
     """The blows of a record, each with its faults: double hits, overload.
 
     Parameters
     ----------
     block : [s] from a little before a blow; 0 for the time to the next one
+    names : of the responses, where they have some
 
     Raises
     ------
@@ -293,20 +314,23 @@ def blows(
         own, answer = f[start : start + size], x[start : start + size] - x[start : max(start + 1, (start + k) // 2)].mean(axis=0)
         if len(own) < size or size < 16:
             continue
-        found.append(Blow(at=k / rate, force=own, responses=answer, fault=_fault(sign * own, answer, quiet)))
+        found.append(Blow(at=k / rate, force=own, responses=answer, fault=_fault(sign * own, answer, quiet, names)))
     if not found:
         problem = f"a block of {block:g} s does not fit behind any blow of a record of {len(f) / rate:g} s"
         raise BadInput(source=source, field="records.block", problem=problem, remedy="Give a shorter one")
     return found
 
 
-def _fault(force: Array, responses: Array, quiet: float) -> str:
+OVERLOADED = "the force is overloaded"
+
+
+def _fault(force: Array, responses: Array, quiet: float, names: Sequence[str]) -> str:
     k = int(np.argmax(force))
     peak = force[k]
     if _stays(force, peak):
-        return "the force is overloaded"
-    if any(clipped(responses[:, c]) for c in range(responses.shape[1])):
-        return "a response is overloaded"
+        return OVERLOADED
+    if over := [c for c in range(responses.shape[1]) if clipped(responses[:, c])]:
+        return f"{', '.join(names[c] for c in over) if names else 'a response'} is overloaded"
     below = np.flatnonzero(force[k:] < OVER * peak)
     early = np.flatnonzero(force[:k] > max(AGAIN * peak, quiet))
     after = force[k + below[0] :] if len(below) else np.zeros(0)
@@ -328,6 +352,12 @@ def struck(found: Sequence[Blow], rate: float, *, decay: float = 0.0, estimator:
     ------
     BadInput : every blow has a fault.
     """
+    tops = [float(np.abs(one.force).max()) for one in found]
+    flat = [k for k, one in enumerate(found) if _stays(np.abs(one.force), tops[k], FLAT)]
+    for k in flat:  # a pulse is over before it stays for long, but no two different ones end at one force
+        same = (found[j].force for j in flat if abs(tops[j] - tops[k]) <= 1e-9 * tops[k])
+        if any(not np.allclose(np.sort(np.abs(one))[-8:], np.sort(np.abs(found[k].force))[-8:], rtol=1e-6) for one in same):
+            found = [replace(one, fault=one.fault or OVERLOADED) if j == k else one for j, one in enumerate(found)]
     good = [one for one in found if not one.fault]
     warnings = [f"{source}: the blow at {one.at:.4g} s is left out, {one.fault}" for one in found if one.fault]
     if not good:

@@ -164,6 +164,11 @@ class TestCsv:
         rows = "".join(f"{k / rate:.{digits}f},{k}\n" for k in range(2000))
         assert self.read(tmp_path, "time,a\n" + rows).sampling_rate == rate
 
+    @pytest.mark.parametrize(("digits", "rate"), [(6, 512.0), (7, 1024.0), (8, 2048.0)])
+    def test_so_do_stamps_of_a_number_of_digits_in_all(self, tmp_path: Path, digits: int, rate: float) -> None:
+        rows = "".join(f"{k / rate:.{digits}g},{k}\n" for k in range(40000))
+        assert self.read(tmp_path, "time,a\n" + rows).sampling_rate == rate
+
     @pytest.mark.parametrize(
         ("text", "words"),
         [

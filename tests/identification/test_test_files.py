@@ -631,6 +631,21 @@ def test_double_hits_overload_and_blows_beside_their_point_are_said_by_blow() ->
         response_estimates.struck(found[1:3], RATE)
 
 
+def test_short_blows_that_end_at_one_force_are_overloaded_and_copies_of_one_are_not() -> None:
+    """A blow of six samples is flat for two or three where its amplifier ends, and never was for five."""
+    force, size = np.zeros(6 * 4 * RATE), np.array([0.9, 0.6, 1.1, 0.5, 1.0, 0.55])
+    pulse = np.sin(np.pi * np.arange(1, 7) / 7)
+    for k, one in enumerate(size):
+        force[4 * RATE * k + 100 : 4 * RATE * k + 106] = 100 * one * pulse
+    x = answer(force)
+    found = response_estimates.blows(np.minimum(force, 75.0), x[:, None], RATE, block=3.8)
+    made = response_estimates.struck(found, RATE)
+    assert made.averages == 3
+    assert sum("left out, the force is overloaded" in one for one in made.warnings) == 3
+    same = response_estimates.blows(np.tile(force[: 4 * RATE], 6), np.tile(x[: 4 * RATE], 6)[:, None], RATE, block=3.8)
+    assert response_estimates.struck(same, RATE).averages == 6
+
+
 def test_a_record_without_a_hit_and_a_clipped_channel_are_refused() -> None:
     rng = np.random.default_rng(3)
     noise = rng.standard_normal(8 * RATE)
@@ -641,6 +656,16 @@ def test_a_record_without_a_hit_and_a_clipped_channel_are_refused() -> None:
     loud = np.clip(np.convolve(noise, np.ones(30), mode="same"), -4, 4)
     with pytest.raises(BadInput, match="clipped"):
         response_estimates.shaken(noise[:, None], loud[:, None], RATE)
+    hard = np.clip(noise, -3.0, 3.0)  # a random force that its amplifier limits is there for a sample or two at a time
+    with pytest.raises(BadInput, match="`force`: is clipped"):
+        response_estimates.shaken(hard[:, None], noise[:, None], RATE)
+    sine = np.sin(2 * np.pi * np.arange(8 * RATE) / 64)
+    for sound in (np.round(noise * 100) / 100, np.tile(noise[:RATE], 8), sine, np.round(200 * sine + noise)):
+        assert not response_estimates.clipped(sound)
+    force, x = blows_of(0.01)
+    for names, said in ((["tip-z"], "tip-z is overloaded"), ([], "a response is overloaded")):
+        found = response_estimates.blows(force, np.minimum(x, 0.3 * x.max())[:, None], RATE, block=3.8, names=names)
+        assert [one.fault for one in found] == [said] * 4
 
 
 def test_records_in_files_become_functions_with_their_coherence(tmp_path: Path) -> None:
@@ -661,6 +686,29 @@ def test_records_in_files_become_functions_with_their_coherence(tmp_path: Path) 
     assert made[0].averages > 5
     near = np.abs(made[0].frequency - 30) < 5
     assert_allclose(made[0].values[0, near, 0], exact(made[0].frequency[near]), rtol=0.03)
+
+
+@pytest.mark.parametrize("names", [["a:z", "b:z"], ["a_z", "b_z"], ["A-Z [m]", "B-Z [m]"]])
+def test_channels_that_are_called_as_the_points_are_found_in_any_order(tmp_path: Path, names: list[str]) -> None:
+    rng = np.random.default_rng(4)
+    force = rng.standard_normal(RATE * 40)
+    samples = {names[1]: answer(force, frequency=40.0), "force": force, names[0]: answer(force)}
+    files.write(tmp_path / "a.h5", Signals(source="a", samples=samples, sampling_rate=RATE))
+    columns = {"time": np.arange(len(force)) / RATE, **samples}
+    np.savetxt(tmp_path / "a.csv", np.column_stack([*columns.values()]), delimiter=",", header=",".join(columns), comments="")
+    of = functions()
+    lines = {"frequency": F, names[1]: of["a", "b"], names[0]: of["a", "a"]}
+    rows = {name: [one, one] if name == "frequency" else [one.real, one.imag] for name, one in lines.items()}
+    header = ",".join(["frequency", *(f"{name} {part}" for name in (names[1], names[0]) for part in ("real", "imag"))])
+    table = np.column_stack([F, *rows[names[1]], *rows[names[0]]])
+    np.savetxt(tmp_path / "lines.csv", table, delimiter=",", header=header, comments="", fmt="%.17g")
+    stated = described(drive="a", quantity="displacement")
+    near = np.abs(np.arange(1, 401) * 0.25 - 30) < 5
+    for file in ("a.h5", "a.csv"):
+        found = read(tmp_path, {**stated, "file": file, "records": {"block": "4 s"}})
+        assert_allclose(found.values[0, : len(near)][near, 0], exact(F[near]), rtol=0.03)
+        assert_allclose(found.values[0, : len(near)][near, 1], exact(F[near], frequency=40.0), rtol=0.03)
+    assert_allclose(read(tmp_path, {**stated, "file": "lines.csv"}).values[0, :, 1], of["a", "b"])
 
 
 @pytest.mark.parametrize("ending", ["csv", "h5"])

@@ -223,12 +223,12 @@ def test_a_universal_file_says_what_it_holds_and_how_a_model_reads_it(run, tmp_p
     )
     test_file.write(tmp_path / "hammer.unv", test_file.of_responses(test))
     code, out, err = run("check", "hammer.unv")
-    assert (code, err) == (main.DONE, "")
+    assert (code, err) == (main.FAILED_CHECK, "")  # its nodes have no coordinates, and that is said
     assert "8 responses, 1 drive, acceleration" in out
     assert "along -z; read at" in out
     assert "and 2 more" in out
     _, _, table = out.partition("A model reads it by\n\n")
-    assert run("check", "hammer.unv", "--json")[0] == main.DONE
+    assert run("check", "hammer.unv", "--json")[0] == main.FAILED_CHECK
     (tmp_path / "frame.toml").write_text(f'format = 1\nmodel = {{ title = "f", article = "fmd+clumod-1" }}\n\n{table}')
     assert "8 responses, 1 drive" in run("check", "frame.toml")[1]
     (tmp_path / "study.toml").write_text((tmp_path / "frame.toml").read_text().replace('article = "hammer"\nfile', "file"))
@@ -253,6 +253,24 @@ def test_a_file_that_is_no_test_by_itself_says_what_to_do(run, tmp_path, name, t
     code, _, err = run("check", name)
     assert code == main.BAD_INPUT
     assert said in " ".join(err.split())
+
+
+def test_a_folder_with_a_test_is_that_test(run, tmp_path):
+    (tmp_path / "hung").mkdir()
+    rows = "".join(f"{f},{100 - f**2},{f}\n" for f in range(1, 30))
+    (tmp_path / "hung" / "a.csv").write_text(f"frequency,tip:z real,tip:z imag\n{rows}")
+    head = 'format = 1\nkind = "response-functions"\narticle = "bar"\n'
+    (tmp_path / "hung" / "test.toml").write_text(f'{head}file = "a.csv"\ndrive = "tip:z"\nresponses = ["tip:z"]\n')
+    code, out, _ = run("check", "hung")
+    assert (code, out) == (main.DONE, run("check", "hung/test.toml")[1])
+    assert "1 response, 1 drive" in out
+    bar = 'nodes = { root = "0 mm", tip = "300 mm" }\nfixed = ["root"]\nmembers = { bar = ["root", "tip"] }\n'
+    bar += 'section = { width = "20 mm", thickness = "5 mm", across = "x" }\nmaterial = "steel"\n'
+    (tmp_path / "bar.toml").write_text(f'format = 1\n[fe_model]\nkind = "frame"\n{bar}')
+    assert run("model", "bar.toml", "--test", "hung", "--out", "study.toml")[0] == main.DONE
+    assert 'file = "hung/a.csv"' in (tmp_path / "study.toml").read_text()
+    (tmp_path / "m.toml").write_text(f'format = 1\nmodel = {{ title = "m", article = "bar" }}\n[fe_model]\nkind = "frame"\n{bar}')
+    assert run("compare", "m.toml", "hung")[:2] == run("compare", "m.toml", "hung/test.toml")[:2]
 
 
 def test_a_test_among_data_states_its_format(run, tmp_path):

@@ -14,8 +14,14 @@ import pytest
         (("identify", "deck.inp"), "it is a deck of a finite-element program. Describe its structure first"),
         (("model", "bar.msh"), "it is a mesh, which does not say what it is made of. Describe its structure first: [fe_model]"),
         (("check", "none.uff"), "none.uff: there is no such file. Check the path"),
-        (("check", "hammer"), "it holds no campaign.toml. Name hammer/test.toml"),
-        (("compare", "m.toml", "hammer"), "it holds no campaign.toml. Name hammer/test.toml"),
+        (("check", "hammer"), "hammer/test.toml: `article`: is missing"),
+        (("identify", "hammer"), "hammer/test.toml: `article`: is missing"),
+        (("compare", "m.toml", "hammer"), "hammer/test.toml: `files`: one of `file` and `files` is needed"),
+        (
+            ("check", "blows"),
+            "nor a test.toml that says where 1.csv and 1 more were driven and read. Write test.toml beside them",
+        ),
+        (("compare", "m.toml", "blows"), 'files = [{ path = "1.csv", drive = "tip:z" }, ...], responses = ["tip:z", "root:z"]'),
         (("compare", "hammer/test.toml", "m.toml"), "where a model file is needed. MODEL comes first and DATA behind it"),
         (
             ("correct", "hammer", "force-gain:tip-z=0.1", "--out", "o"),
@@ -39,8 +45,10 @@ def test_what_was_mistaken_is_said(refused, run, tmp_path, arguments, words):
     (tmp_path / "H.unv").write_text("    -1\n", encoding="utf-8")
     (tmp_path / "deck.inp").write_text("*NODE\n", encoding="utf-8")
     (tmp_path / "bar.msh").write_text("$MeshFormat\n", encoding="utf-8")
-    for name in ("series", "hammer"):
+    for name in ("series", "hammer", "blows"):
         (tmp_path / name).mkdir()
+    for name in ("1.csv", "2.csv"):
+        (tmp_path / "blows" / name).write_text("time,force,tip\n0,0,0\n", encoding="utf-8")
     (tmp_path / "hammer" / "test.toml").write_text('format = 1\nkind = "response-functions"\n', encoding="utf-8")
     own = 'model = { title = "", article = "tower" }\nstructure = { own = { tower = "tower.toml" } }\n'
     (tmp_path / "study.toml").write_text(own, encoding="utf-8")

@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from geometry import toml_file
 from geometry.errors import BadInput
 from validation.cli import options
 
@@ -81,6 +82,7 @@ def identify_command(ctx: click.Context, /, plot: bool, out: Path | None, as_jso
     from validation.output import require_folder
     from validation.report.identify import answer, answer_of_test
 
+    given["campaign"] = toml_file.described_in(given["campaign"])
     if Path(given["campaign"]).is_file():
         typed = click.core.ParameterSource.COMMANDLINE
         names = [name for name in ctx.params if ctx.get_parameter_source(name) is typed]
@@ -110,8 +112,8 @@ def identify_command(ctx: click.Context, /, plot: bool, out: Path | None, as_jso
 def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool, out: Path | None) -> None:
     """What the folder CAMPAIGN holds: channels, runs, levels, noise, which motions and forces can be told. And all that is wrong.
 
-    CAMPAIGN may be the TOML file of a test of any structure, too, or of a model with its [[test]], or a universal file of
-    response functions or modes: what is in it, and the table by which a model reads it.
+    CAMPAIGN may be the TOML file of a test of any structure, too, or its folder, a model with its [[test]], or a universal file
+    of response functions or modes: what is in it, and the table by which a model reads it.
 
     Exit code 0 when nothing is wrong, 1 when the data can be used but there are warnings to read, 2 when they cannot be used as
     they are.
@@ -124,6 +126,7 @@ def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool, 
 
     if out is not None:
         require_ending(out, answer.FUNCTIONS, "what was measured", "out/H.unv")
+    campaign = toml_file.described_in(campaign)
     path, described = Path(campaign), campaign.lower().endswith(".toml")
     if described or path.is_file():  # what a folder holds is said without models, half of what there is to import
         from identification import test_file
@@ -136,6 +139,8 @@ def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool, 
             if not described and not as_json:
                 tables = [test_file.text(test_file.table_of(one, path.name)) for one in tests]
                 click.echo("\n\n".join(("\nA model reads it by", *tables)))
+            if any(one.warnings for one in tests):
+                ctx.exit(FAILED_CHECK)
             return
     with shown(f"reading {campaign}", quiet=as_json):
         found = summary(campaign)

@@ -19,6 +19,7 @@ from identification.files.files import Samples
 from identification.modal_table import ModalTable, mac
 from validation.estimation.problem import Offsets, Prediction
 from validation.flexible.model import family
+from validation.model.model import Added
 from validation.output import derived, entry, unwritten
 from validation.prediction import effects, modal_table
 from validation.prediction.landmarks import resonance_table
@@ -127,12 +128,13 @@ def modal(test: TableFrequencies | TableShapes, offsets: Offsets) -> ModalCorrel
     meshes = [moved[one.name].squares * one.tolerance for one in test.structure.parameters if one.family == "mesh"]
     allowed = np.zeros(len(test.table.frequency))
     allowed[list(test.modes)] = np.sqrt(np.sum(np.square(meshes), axis=0)) / (2 * modes.squares[list(of)])
-    return of_modes(modes, test.table, allowed)
+    return of_modes(modes, test.table, allowed, test.effects)
 
 
-def of_modes(modes: RealModes, table: ModalTable, allowed: npt.ArrayLike = 0.0) -> ModalCorrelation:
-    """`table` beside the `modes` of a model, whose frequencies its mesh leaves `allowed` (m,) unsure, one sd as a share."""
-    of, f = partners(modes, table), modes.frequency
+def of_modes(modes: RealModes, table: ModalTable, allowed: npt.ArrayLike = 0.0, added: Sequence[Added] = ()) -> ModalCorrelation:
+    """`table` beside the `modes` of a model, whose frequencies its mesh leaves `allowed` (m,) unsure, one sd as a share, and
+    whose effects are `added`."""
+    of, f = partners(modes, table, added), modes.frequency
     low, high = table.frequency.min() / BEYOND, table.frequency.max() * BEYOND
     looked = tuple(sorted({*of, *(int(k) for k in np.flatnonzero((f > low) & (f < high)))}))
     inside = [k for k in looked if table.frequency.min() <= f[k] <= table.frequency.max() and k not in of]

@@ -23,6 +23,7 @@ from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.errors import CheckFailed
 from geometry.frames import Array
 from identification.consistency import candidates
+from identification.modal_table import mac
 from identification.quality import NORMAL_90
 from validation.diagnose.diagnosis import Cause, EffectEstimate
 from validation.effects.catalogue import Named
@@ -476,7 +477,7 @@ FAR = 0.5
 tests/validation/diagnosing/test_mistakes_of_tests.py."""
 
 INDEPENDENT = 4
-"""[count] of lines of functions, or of modes, that say something of their own at least. Exercised by
+"""[count] of lines of functions, or of modes, that say something of their own where a band has no more. Exercised by
 tests/validation/diagnosing/test_mistakes_of_tests.py."""
 
 SCATTERED = 4.0
@@ -505,7 +506,7 @@ def mistakes_of_tests(data: Study) -> tuple[Cause, ...]:
         if isinstance(one, ResponseFunctionTest):
             found.append(_of_functions(one, UNITS))
         elif isinstance(one, TableShapes):
-            found.append(_of_channels(one, one.measured.values[:, 0], one.measured.noise[:, 0], UNITS, lambda of: of.at({})))
+            found.append(_of_shapes(one, UNITS))
         else:
             found.append([])
     said = [{cause.id for cause in causes} for causes in found]
@@ -517,6 +518,22 @@ def mistakes_of_tests(data: Study) -> tuple[Cause, ...]:
                 kept.setdefault(cause.id, cause)
     order = ("polarity", "channel-swap", "wrong-direction", "wrong-place", "wrong-reference", "unit")
     return tuple(sorted(kept.values(), key=lambda one: order.index(one.named.family)))
+
+
+def _of_shapes(one: TableShapes, units: Mapping[str, Mapping[str, float]]) -> list[Cause]:
+    """Of shapes, whose modes are paired with those of the model by shape and frequency, or by frequency alone where that leaves
+    far less: a mistake may have made one mode look like another."""
+    y, noise = one.measured.values[:, 0], one.measured.noise[:, 0]
+    causes, least = list[Cause](), np.inf
+    for of in (one, replace(one, table=replace(one.table, shapes=None))):
+        found = _of_channels(of, y, noise, units, lambda paired: paired.at({}))
+        acting = (*one.effects, *(Added(named=cause.named, fixed=True) for cause in found))
+        rows = one.with_effects(acting).at({}, derivatives=False).rows[:, 0, :, 0]
+        alike = np.array([mac(a, b).item() for a, b in zip(y, rows, strict=True)])
+        left = float(np.sum(1 - alike))
+        if left < least / 2:
+            causes, least = found, left
+    return causes
 
 
 def _of_functions(one: ResponseFunctionTest, units: Mapping[str, Mapping[str, float]]) -> list[Cause]:
@@ -540,12 +557,14 @@ def _of_functions(one: ResponseFunctionTest, units: Mapping[str, Mapping[str, fl
     def with_causes(causes: Sequence[Cause]) -> ResponseFunctionTest:
         return one.with_effects((*one.effects, *(Added(named=cause.named, fixed=True) for cause in causes)))
 
-    causes = _of_channels(one, y.reshape(-1, c), noise.reshape(-1, c), units, lambda of: at(of, warped).at({}))
+    f, low, high = one.structure.frequency, measured.frequency[0], measured.frequency[-1]
+    modes = max(INDEPENDENT, int(np.sum((f >= low) & (f <= high))))  # each has a shape of its own
+    causes = _of_channels(one, y.reshape(-1, c), noise.reshape(-1, c), units, lambda of: at(of, warped).at({}), modes)
     p = predicted(with_causes(causes), warped)
     for r, drive in enumerate(one.drives):
         # The factor of a line would hide where the force acted: here its sign counts
         stated = _apart(y[r], p[r])
-        if stated < FAR:
+        if stated < NEAR:
             continue
         trials = {}
         for name in (point.name for point in one.responses if point.name != drive.name):
@@ -553,7 +572,7 @@ def _of_functions(one: ResponseFunctionTest, units: Mapping[str, Mapping[str, fl
             rows = predicted(with_causes((*causes, _cause(named.family, named.targets, 0.0, named.values))), warped)[r]
             trials[name] = (_apart(y[r], rows), rows)
         best = min(trials, key=lambda name: trials[name][0], default="")
-        if best and trials[best][0] < FAR / 2:
+        if best and trials[best][0] < min(NEAR, stated / 2):
             nats = float((stated**2 - trials[best][0] ** 2) / OFF**2 * max(2, c))
             causes.append(_cause("wrong-reference", (drive.name, best), nats, {"": 1.0}))
             p = np.concatenate([p[:r], trials[best][1][None], p[r + 1 :]])
@@ -649,8 +668,10 @@ def _of_channels(
     noise: Array,
     units: Mapping[str, Mapping[str, float]],
     read: Callable[[Any], Predicted],
+    independent: int = INDEPENDENT,
 ) -> list[Cause]:
-    """Mistakes of single channels in readings y (m, c), of which `read` says what a model expects of them."""
+    """Mistakes of single channels in readings y (m, c), of which `read` says what a model expects of them; so many of m are
+    `independent`."""
     c, names = y.shape[1], one.measured.channels
     if c < FEWEST_CHANNELS:
         return []
@@ -672,7 +693,7 @@ def _of_channels(
         name=one.measured.name,
         channels=names,
         quantities=("acceleration",) * c,
-        lines=max(1, len(scaled) // INDEPENDENT),
+        lines=max(1, len(scaled) // independent),
         reading=scaled,
         expected=p,
         noise=np.minimum(noise / np.abs(factors)[:, None], most),
@@ -691,18 +712,6 @@ def _of_channels(
         _unit_cause(names[each.channel], abs(each.factor), each.units, each.gain) for each in taken if abs(each.factor) != 1
     ]
     distances = [each.distance([readings]) for each in taken]
-    if not causes and max(distances) > FAR and c <= MOST_SWAPPED:
-        # Of few channels two that are exchanged may agree with each other: each pair by itself, with a factor of its own
-        trials = {}
-        for pair in combinations(range(c), 2):
-            order = list(range(c))
-            order[pair[0]], order[pair[1]] = pair[1], pair[0]
-            turned = y[:, order]
-            trials[pair] = float(distance((turned / _shared_factor(turned, p)[:, None])[None], p[None]).max())
-        exchanged = min(trials, key=lambda pair: trials[pair])
-        if trials[exchanged] < NEAR:
-            nats = (max(distances) ** 2 - trials[exchanged] ** 2) / OFF**2 * min(len(y), INDEPENDENT)
-            return [_cause("channel-swap", (names[exchanged[0]], names[exchanged[1]]), float(nats))]
     # By what the others read, the model must be right: channels that hardly move agree with anything
     squares, agree = np.mean(np.abs(p) ** 2, axis=0), np.array(distances) < NEAR
     for k, (each, away) in enumerate(zip(taken, distances, strict=True)):
@@ -740,23 +749,38 @@ def _of_channels(
 
 
 def _shared_factor(y: ComplexArray, p: ComplexArray) -> ComplexArray:
-    """(m,) y / p of every row, of each channel's own ratio the one that the others contradict least."""
+    """(m,) y / p of every row that most channels of `y` (m, c) agree on: by the one channel of a row that the others contradict
+    least, or over all rows by all channels but one or two."""
     costs, told = [], []
     for k in range(y.shape[1]):
         ratio = y[:, k] / np.where(np.abs(p[:, k]) > TINY, p[:, k], TINY)
         weight = np.abs(p[:, k]) > FAINT
-        off = np.abs(y - ratio[:, None] * p) / np.maximum(np.abs(y) + np.abs(ratio[:, None] * p), TINY)
+        due = np.abs(ratio[:, None]) * np.maximum(np.abs(p), FAINT)  # what should read next to nothing votes for no factor
+        off = np.abs(y - ratio[:, None] * p) / np.maximum(np.abs(y) + due, TINY)
         costs.append(np.where(weight, np.sum(off**2 / (off**2 + DISTANT**2), axis=1), np.inf))
         told.append(np.where(np.abs(ratio) > TINY, ratio, 1.0))
-    best = np.argmin(costs, axis=0)
-    factor = np.array(told)[best, np.arange(len(y))]
+    factors = [np.array(told)[np.argmin(costs, axis=0), np.arange(len(y))]]
+    every = range(y.shape[1])
+    for left_out in [(k,) for k in every] + (list(combinations(every, 2)) if len(every) <= MOST_SWAPPED else []):
+        factors.append(_over(y, p, ~np.isin(every, left_out)))
+
+    def contradicted(factor: ComplexArray) -> tuple[int, float]:
+        d = distance((y / factor[:, None])[None], p[None])
+        return int(np.sum(d >= NEAR)), float(np.sum(d**2 / (d**2 + DISTANT**2)))
+
+    factor = min(factors, key=contradicted)
     for _ in range(ROUNDS):  # again from all that are near, over all rows
         near = distance(y[None] / factor[None, :, None], p[None]) < NEAR
         if not np.any(near):
             break
-        factor = np.sum(y[:, near] * p[:, near].conj(), axis=1) / np.maximum(np.sum(np.abs(p[:, near]) ** 2, axis=1), TINY)
-        factor = np.where(np.abs(factor) > TINY, factor, 1.0)
+        factor = _over(y, p, near)
     return np.asarray(factor)
+
+
+def _over(y: ComplexArray, p: ComplexArray, kept: npt.NDArray[np.bool_]) -> ComplexArray:
+    """(m,) y / p of every row by the channels that are `kept` (c,), in least squares."""
+    factor = np.sum(y[:, kept] * p[:, kept].conj(), axis=1) / np.maximum(np.sum(np.abs(p[:, kept]) ** 2, axis=1), TINY)
+    return np.asarray(np.where(np.abs(factor) > TINY, factor, 1.0))
 
 
 def _cause(

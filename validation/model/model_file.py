@@ -475,7 +475,7 @@ def study_text(path: str, tests: Sequence[str], out: Path) -> str:
 
     tables, articles = list[dict[str, Any]](), dict[str, str]()
     own = re.sub(r"[^A-Za-z0-9_-]+", "-", Path(path).stem)
-    for name in tests:
+    for name in map(toml_file.described_in, tests):
         for table in test_file.tables(name, own):
             articles.setdefault(test_file.read(name, table).article, name)
             moved = test_file.moved(table, name, out)

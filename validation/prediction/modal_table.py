@@ -190,8 +190,11 @@ def seen(matrices: Matrices, table: ModalTable) -> Array:
     return points.stated(matrices, table.sensors)
 
 
-def partners(modes: RealModes, table: ModalTable) -> tuple[int, ...]:
+def partners(modes: RealModes, table: ModalTable, effects: Sequence[Added] = ()) -> tuple[int, ...]:
     """(m,) which of `modes` is the partner of every mode of `table`, by the rule of `identification.modal_table.paired`.
+
+    Shapes of the model are read as the sensors do with the mistakes that are among `effects`: one with a wrong sign would pair
+    modes whose shapes differ by it.
 
     Raises
     ------
@@ -202,7 +205,14 @@ def partners(modes: RealModes, table: ModalTable) -> tuple[int, ...]:
     moving = moving[np.isfinite(f[moving])]
     if len(moving) < len(table.frequency):
         raise ValueError(f"the model has {len(moving)} modes, and the table {len(table.frequency)}")
-    shapes = None if table.shapes is None else (seen(modes.matrices, table) @ modes.shapes[:, moving]).T
+    shapes = None
+    if table.shapes is not None:
+        mistaken = [one for one in effects if one.fixed]
+        sizes = {one.named.id: one.named.value for one in mistaken if one.named.family in points.RESPONSES}
+        where = points.rows(modes.matrices, table.sensors, (), points.asked(mistaken, points.RESPONSES), sizes)
+        read = (where.values @ modes.shapes[:, moving]).T[:, :, None].astype(np.complex128)
+        stage = ChannelResponse(frequency=f[moving], channels=tuple(one.name for one in table.sensors), rows=read)
+        shapes = prediction_effects.channels(stage, {}, mistaken, derivatives=False)[0].rows[..., 0]
     known = table.frequency if table.since is None or table.before is None else table.since * table.before[:, 0]  # as it was
     return tuple(int(moving[k]) for k in paired(known, f[moving], table.shapes, shapes))
 
@@ -264,11 +274,12 @@ class _TablePart(ABC):
         wanted = derivatives if isinstance(derivatives, bool) else frozenset(derivatives)
         if self.table.damping_deviation is None and not isinstance(wanted, bool):  # real modes do not know what they lose
             wanted = frozenset(name for name in wanted if name.partition(":")[0] not in LOSSES)
-        key, last = (id(self.table), tuple(offsets.items()), stand, wanted), self.structure.last
+        fixed = tuple((one.named.id, *one.named.values.items()) for one in self.effects if one.fixed)
+        key, last = (id(self.table), tuple(offsets.items()), stand, fixed, wanted), self.structure.last
         if last.get("key") != key:
             matrices, tangents = dynamic_mass.structure(self.structure, offsets, acting, derivatives=wanted)
             modes = real_modes(matrices)
-            every = partners(modes, self.table)
+            every = partners(modes, self.table, self.effects)
             moved = {name: modes.changed(every, tangent) for name, tangent in tangents.items()} if wanted else {}
             last |= {"key": key, "table": self.table, "made": (modes, every, moved)}
         modes, every, moved = last["made"]
@@ -342,7 +353,7 @@ class _TablePart(ABC):
                 key, last = (id(whole), id(self.table), K.tobytes(), M.tobytes()), self.structure.last
                 if last.get("attached") != key:  # frequencies and shapes ask one after the other
                     there = real_modes(replace(whole, mass=M, stiffness=K))
-                    last |= {"attached": key, "of": whole, "modes": (there, partners(there, self.table))}
+                    last |= {"attached": key, "of": whole, "modes": (there, partners(there, self.table, self.effects))}
                 there, every = last["modes"]
                 return self._modes_read(there, [every[k] for k in self.modes], known, effects)
 
@@ -508,6 +519,7 @@ def of(
     """
     points.require_places(table.sensors, structure.nominal.places, structure.configuration, table.source)
     modes = real_modes(structure.nominal)
+    _require_hertz(table, modes.frequency)
     try:
         table = since_before(modes, table)
         every = partners(modes, table)
@@ -564,6 +576,31 @@ def of(
         table=table,
     )
     return frequencies, shapes
+
+
+TAKEN_FOR_HERTZ = {"rad/s": 2 * np.pi, "cycles per minute": 60.0, "kHz": 1e-3}
+"""What one hertz is in units that are taken for it."""
+
+ONE_UNIT = 0.1
+"""[log] Scatter of what frequencies are in that of a model, and how far its mean may lie from a unit, to be in that unit. Held by
+tests/validation/prediction/test_modal_table.py."""
+
+
+def _require_hertz(table: ModalTable, f: Array) -> None:
+    """Refuse frequencies that are those of the model, one after the other, but for the factor of another unit.
+
+    Raises
+    ------
+    BadInput : rad/s, cycles per minute or kilohertz where hertz are asked for.
+    """
+    for unit, size in TAKEN_FOR_HERTZ.items() if len(table.frequency) > 2 else ():
+        own = np.sort(f[np.isfinite(f) & (size * f > SLOWEST * table.frequency.min())])[: len(table.frequency)]
+        if len(own) == len(table.frequency):
+            off = np.log(np.sort(table.frequency) / own / size)
+            if np.std(off) < ONE_UNIT and abs(np.mean(off)) < ONE_UNIT:
+                problem = f"are {size * np.exp(np.mean(off)):.3g} times those of the model, all {len(own)} within "
+                problem += f"{100 * np.ptp(off):.2g} % of each other: they look like {unit}"
+                raise BadInput(source=table.source, field="frequencies", problem=problem, remedy="Write them in hertz")
 
 
 def _by_line(rows: ComplexArray, count: int) -> ComplexArray:

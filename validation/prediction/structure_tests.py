@@ -16,6 +16,7 @@ from geometry.toml_file import nearest
 from identification.modal_table import ModalTable
 from identification.response_functions import ResponseFunctions
 from validation.effects.catalogue import There
+from validation.effects.effect import position
 from validation.estimation.problem import Lines, Offsets, Prediction
 from validation.model.model import Added, Model
 from validation.prediction import effects, modal_table, mounting, response_functions
@@ -137,8 +138,8 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
                 problem = f"there is no such row: the matrices have {n}, counted from 0"
                 raise BadInput(source=source, field=point.place, problem=problem, remedy="Correct it")
             rows[point.place] = csr_array(([1.0], ([0], [int(number)])), shape=(3, n))
-        elif point.position is not None:
-            rows[point.place] = place_rows(structure, point.position, source, point.place)[0]
+        elif (at := position(point.place) if point.position is None else point.position) is not None:
+            rows[point.place] = place_rows(structure, at, source, point.place)[0]
         elif word == "node" and number.isdecimal() and structure.elements is not None:
             there = structure.elements.numbered(int(number))
             rows |= {} if there is None else {point.place: there}

@@ -30,7 +30,7 @@ from validation.report.charts.style import unit
 from validation.report.document import Column, Document, Grid, Table, aligned, page
 from validation.virtual_test import simulate as virtual_test
 from validation.virtual_test import structure_tests
-from validation.virtual_test.plan import Plan
+from validation.virtual_test.plan import HAMMER, MODES, Plan
 from validation.virtual_test.simulate import SimulateOptions, VirtualTest
 
 # What `massline excite` prints: runs, peak loads, resonances, load cells, and below them what must be known to read them.
@@ -596,7 +596,7 @@ def simulate_structure(
         raise BadInput(source="--block", problem=f"must be a time in seconds, found {block:g}", remedy="Write --block 4")
     plan = structure_tests.plan_of(
         path,
-        kind=kind or structure_tests.HAMMER,
+        kind=kind or HAMMER,
         effects=effects,
         seed=seed,
         noise=virtual_test.factor("--noise", noise),
@@ -621,7 +621,7 @@ def simulate_structure(
         "truth": str(truth),
         "kind": plan.kind,
         "article": plan.article,
-        "drives": [] if plan.kind == structure_tests.MODES else [one.name for one in plan.drives],
+        "drives": [] if plan.kind == MODES else [one.name for one in plan.drives],
         "responses": [one.name for one in plan.responses],
         "band_hz": [float(f"{one:.6g}") for one in plan.band] if not as_json else list(plan.band),
     }

@@ -19,7 +19,9 @@ from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.inertia import Inertia
-from geometry.sensors import ChannelTable, Tolerances
+from geometry.sensors import ChannelTable, Point, Tolerances
+from validation.effects.catalogue import Named
+from validation.model.model import Model
 from validation.virtual_test.layout import CELLS, ChainTruth, Layout, stream
 
 # `Effect`: what is different from an ordinary laboratory, as changes at five places of a virtual test.
@@ -303,3 +305,84 @@ def _require(value: float, name: str, *, zero: bool = False) -> None:
     if not (isfinite(value) and (value > 0 or (zero and value == 0))):
         what = "finite and not negative" if zero else "positive and finite"
         raise BadInput(source=SOURCE, field=name, problem=f"must be {what}, found {value:g}", remedy="Give it in SI units")
+
+
+# A virtual test of a structure that stands by itself.
+
+HAMMER, SHAKER, FUNCTIONS, MODES, BASE, BASE_FORCES = KINDS = ("hammer", "shaker", "functions", "modes", "base", "base-forces")
+"""Records of blows, records of a random force, response functions, a table of modes; sweeps of a base, its accelerometers and
+those on the structure recorded, or load cells below as well."""
+
+STRUCTURAL = (
+    *("modulus", "mass", "thickness", "structural-damping", "support-stiffness", "point-mass", "cable", "gravity-stiffness"),
+)
+OF_ANY = (
+    *("accelerometer-gain", "accelerometer-delay", "accelerometer-position", "accelerometer-misalignment"),
+    *("force-gain", "force-delay", "polarity", "channel-swap", "unit"),
+)
+SENSORS = (
+    *(*OF_ANY, "force-position", "force-misalignment", "transducer-mass", "exponential-window"),
+    *("wrong-direction", "wrong-place", "wrong-reference"),
+)
+SILENT = {SHAKER: ("exponential-window",), FUNCTIONS: ("exponential-window",), MODES: ("accelerometer-delay", "transducer-mass")}
+OF_DRIVES = ("force-position", "force-misalignment", "wrong-reference")
+OF_CELLS = ("force-crosstalk", "cell-stiffness", "fmd-compliance", "load-path-shunt")
+"""Families that can be hidden: in the structure, in sensors of any test, in those of one by forces, among these what some of such
+tests do not tell and where a force acts, and in load cells below a base."""
+
+CROSS = 0.03
+"""[share] of the swept motion that a base makes on average along each other axis where nothing is said."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StructurePlan:
+    """All that decides such a test; the same plan gives the same files.
+
+    Attributes
+    ----------
+    model : whose structure it is; its own effects are there
+    kind : of `KINDS`
+    article : what is tested
+    drives, responses : points; of a table its sensors are the responses
+    effects : that are hidden
+    seed : of all that is drawn
+    noise, tolerances : factors on the ordinary noise, and on the tolerances from which moduli, losses and gains are drawn
+    band : (low, high) [Hz]
+    block : [s] of a block; 0 for one in which the slowest mode rings down
+    axis, cross : of a base the one that is swept, all six where it is empty; what it does on average along the others
+    doubts : sentences on what is likely a slip
+    """
+
+    model: Model
+    kind: str
+    article: str
+    drives: tuple[Point, ...]
+    responses: tuple[Point, ...]
+    effects: tuple[Named, ...] = ()
+    seed: int = 0
+    noise: float = 1.0
+    tolerances: float = 1.0
+    band: tuple[float, float]
+    block: float = 0.0
+    axis: str = ""
+    cross: float = CROSS
+    doubts: tuple[str, ...] = ()
+
+    @property
+    def on_base(self) -> bool:
+        """Whether a base drives it."""
+        return self.kind in (BASE, BASE_FORCES)
+
+    @property
+    def planted(self) -> tuple[str, ...]:
+        """Families that can be hidden in it."""
+        cells, silent = OF_CELLS if self.kind == BASE_FORCES else (), SILENT.get(self.kind, ())
+        return *STRUCTURAL, *(one for one in ((*OF_ANY, *cells) if self.on_base else SENSORS) if one not in silent)
+
+    def drawn(self, what: str) -> np.random.Generator:
+        """A stream of random numbers of its own."""
+        return np.random.default_rng([self.seed, *what.encode()])
+
+    def each(self, family: str) -> list[Named]:
+        """The hidden effects of a family."""
+        return [one for one in self.effects if one.family == family]

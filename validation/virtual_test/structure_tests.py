@@ -35,17 +35,27 @@ from validation.effects.catalogue import Named, parse_all
 from validation.effects.effect import Vocabulary, position
 from validation.effects.stages import ALONG
 from validation.model import model_file
-from validation.model.model import Model
 from validation.virtual_test.layout import ACCELEROMETERS, FORCES, mavis
+from validation.virtual_test.plan import (
+    BASE,
+    BASE_FORCES,
+    CROSS,
+    FUNCTIONS,
+    HAMMER,
+    KINDS,
+    MODES,
+    OF_DRIVES,
+    SENSORS,
+    SHAKER,
+    STRUCTURAL,
+    Plan,
+    Scatter,
+    StructurePlan,
+)
 from validation.virtual_test.plan import NOISE as ORDINARY
-from validation.virtual_test.plan import Plan, Scatter
 from validation.virtual_test.planted import planted
 from validation.virtual_test.shaker import FMD, Sensors, middles_of_cells, nominal_fmd, on_table
 from validation.virtual_test.simulate import DrivenRun, cross_motion, recorded
-
-HAMMER, SHAKER, FUNCTIONS, MODES, BASE, BASE_FORCES = KINDS = ("hammer", "shaker", "functions", "modes", "base", "base-forces")
-"""Records of blows, records of a random force, response functions, a table of modes; sweeps of a base, its accelerometers and
-those on the structure recorded, or load cells below as well."""
 
 GAIN = 0.01
 """Standard deviation of the gains of sensors and of the force cell in these laboratories, as their tests state it."""
@@ -65,6 +75,9 @@ WHOLE = 1200
 
 MASSLESS = 1e-12
 """Share of the mass of the slowest mode below which one has none."""
+
+SPARED = 1e-9
+"""[share] of the largest mass that one below nothing may have by rounding alone. By definition."""
 
 ANSWERS = 3
 """[count] of answers to each load beside such modes, each but the first to the inertia of the one before."""
@@ -87,31 +100,11 @@ LOWEST, RIGID, AT_REST = 5, 1e-9, 1e-3
 """[count] of modes that a test is for where nothing is said; [share of omega² of the twelfth] below which one is rigid; [share of
 the largest motion] below which a point does not move. By definition."""
 
-STRUCTURAL = (
-    *("modulus", "mass", "thickness", "structural-damping", "support-stiffness", "point-mass", "cable", "gravity-stiffness"),
-)
-OF_ANY = (
-    *("accelerometer-gain", "accelerometer-delay", "accelerometer-position", "accelerometer-misalignment"),
-    *("force-gain", "force-delay", "polarity", "channel-swap", "unit"),
-)
-SENSORS = (
-    *(*OF_ANY, "force-position", "force-misalignment", "transducer-mass", "exponential-window"),
-    *("wrong-direction", "wrong-place", "wrong-reference"),
-)
-SILENT = {SHAKER: ("exponential-window",), FUNCTIONS: ("exponential-window",), MODES: ("accelerometer-delay", "transducer-mass")}
-OF_DRIVES = ("force-position", "force-misalignment", "wrong-reference")
-OF_CELLS = ("force-crosstalk", "cell-stiffness", "fmd-compliance", "load-path-shunt")
-"""Families that can be hidden: in the structure, in sensors of any test, in those of one by forces, among these what some of such
-tests do not tell and where a force acts, and in load cells below a base."""
-
 HEAVIEST = 10.0
 """Times what a structure weighs, beyond which a mass upon it is doubted to be in kilograms. By definition."""
 
 HEAVIEST_PICKUP = 1.0
 """[kg] of a pick-up, beyond which its mass is doubted likewise: those for earthquakes have two thirds of it."""
-
-CROSS = 0.03
-"""[share] of the swept motion that a base makes on average along each other axis where nothing is said."""
 
 SWEPT = 400.0
 """[count] of cycles of its lowest frequency that a sweep of a base lasts."""
@@ -127,60 +120,6 @@ TIED = 1e-10
 
 UNSEEN = 1e-6
 """Share of its largest motion below which a mode moves the sensors by rounding alone, and nobody tabulates it."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class StructurePlan:
-    """All that decides such a test; the same plan gives the same files.
-
-    Attributes
-    ----------
-    model : whose structure it is; its own effects are there
-    kind : of `KINDS`
-    article : what is tested
-    drives, responses : points; of a table its sensors are the responses
-    effects : that are hidden
-    seed : of all that is drawn
-    noise, tolerances : factors on the ordinary noise, and on the tolerances from which moduli, losses and gains are drawn
-    band : (low, high) [Hz]
-    block : [s] of a block; 0 for one in which the slowest mode rings down
-    axis, cross : of a base the one that is swept, all six where it is empty; what it does on average along the others
-    doubts : sentences on what is likely a slip
-    """
-
-    model: Model
-    kind: str
-    article: str
-    drives: tuple[Point, ...]
-    responses: tuple[Point, ...]
-    effects: tuple[Named, ...] = ()
-    seed: int = 0
-    noise: float = 1.0
-    tolerances: float = 1.0
-    band: tuple[float, float]
-    block: float = 0.0
-    axis: str = ""
-    cross: float = CROSS
-    doubts: tuple[str, ...] = ()
-
-    @property
-    def on_base(self) -> bool:
-        """Whether a base drives it."""
-        return self.kind in (BASE, BASE_FORCES)
-
-    @property
-    def planted(self) -> tuple[str, ...]:
-        """Families that can be hidden in it."""
-        cells, silent = OF_CELLS if self.kind == BASE_FORCES else (), SILENT.get(self.kind, ())
-        return *STRUCTURAL, *(one for one in ((*OF_ANY, *cells) if self.on_base else SENSORS) if one not in silent)
-
-    def drawn(self, what: str) -> np.random.Generator:
-        """A stream of random numbers of its own."""
-        return np.random.default_rng([self.seed, *what.encode()])
-
-    def each(self, family: str) -> list[Named]:
-        """The hidden effects of a family."""
-        return [one for one in self.effects if one.family == family]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -202,7 +141,12 @@ class TestedStructure:
 
     @cached_property
     def modes(self) -> tuple[Array, Array, float, Any]:
-        """omega² (m,), shapes on all degrees of freedom (n, m), a shift s below all, and what solves K - s M for what is left."""
+        """omega² (m,), shapes on all degrees of freedom (n, m), a shift s below all, and what solves K - s M for what is left.
+
+        Raises
+        ------
+        BadInput : what was taken away weighs more than what is there.
+        """
         from scipy.linalg import eigh
         from scipy.sparse.linalg import eigsh, splu
 
@@ -212,7 +156,12 @@ class TestedStructure:
         above = (K - shift * M).tocsc()
         solver = splu(above)
         if len(free) <= WHOLE:  # what has no mass is a mode of infinite frequency, and static
-            shares, vectors = eigh(M.toarray(), above.toarray())
+            try:
+                shares, vectors = eigh(M.toarray(), above.toarray())
+            except np.linalg.LinAlgError:
+                raise _too_light() from None
+            if shares.min() < -SPARED * shares.max():
+                raise _too_light()
             kept = shares > MASSLESS * shares.max()
             squares, vectors = 1 / shares[kept] + shift, vectors[:, kept] / np.sqrt(shares[kept])
         else:
@@ -310,6 +259,11 @@ class TestedStructure:
         return hertz[inside], self.ratio + eta[inside] / 2, np.where(largest < 0, -shapes, shapes)
 
 
+def _too_light() -> BadInput:
+    problem = "with all that is planted, and what the model has added, a place or a part weighs less than nothing"
+    return BadInput(source="--effect", problem=problem, remedy="Take away no more than there is; `massline model` lists both")
+
+
 def tested(plan: StructurePlan) -> TestedStructure:
     """The structure of `plan` as it really is.
 
@@ -322,7 +276,10 @@ def tested(plan: StructurePlan) -> TestedStructure:
     if users is None or not isinstance(users.model, Structure):
         problem = f"{plan.article} has no matrices, mesh or frame"
         raise BadInput(source=plan.model.source, field="article", problem=problem, remedy="Name its file in [structure.own]")
-    made, damping = users.model, users.damping
+    damping, made = users.damping, users.model
+    where = {one.place: position(one.place) for one in (*plan.drives, *plan.responses)}
+    written = {name: place_rows(made, at, plan.model.source, name)[0] for name, at in where.items() if at is not None}
+    made = replace(made, places={**made.places, **written})
     ratio = plan.model.damping_ratio
     losses: dict[str, float] = dict(damping.loss_factors) if damping is not None and ratio is None else {}
     usual = 0.003 if not losses else 0.0
@@ -749,7 +706,7 @@ def plan_of(
     if axis:
         toml_file.one_of(axis, tuple("xyz"), source="--axis", where="")
     driven = () if based else listed(drives, ("drive",), "--drive")
-    for at in (each for each in (*driven, *seen) if each.place not in users.model.places):
+    for at in (each for each in (*driven, *seen) if position(each.place) is None and each.place not in users.model.places):
         remedy = f"Its places are {', '.join(list(users.model.places)[:20])}"
         raise BadInput(source=path, field=at.place, problem="the structure has no such place", remedy=remedy)
     limits = band or tuple(own.get("band", ())) or None

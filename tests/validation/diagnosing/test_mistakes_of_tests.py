@@ -98,6 +98,59 @@ def test_a_mistake_is_named_and_nothing_beside_it(kind: str, text: str, bracket:
         assert parse(found[0], ANY).value == pytest.approx(parse(text, ANY).value, rel=1e-6)
 
 
+FRAME = """format = 1
+model = { title = "Frame", article = "frame" }
+[fe_model]
+kind = "frame"
+moves = ["x", "z", "ry"]
+material = "aluminium"
+loss_factor = 0.02
+section = { width = "12 mm", thickness = "25 mm", across = "y" }
+elements = 4
+"""
+PORTAL = """
+nodes.f = ["0 mm", "0 mm", "0 mm"]
+nodes.h = ["600 mm", "0 mm", "0 mm"]
+nodes.m = ["0 mm", "0 mm", "300 mm"]
+nodes.n = ["600 mm", "0 mm", "300 mm"]
+nodes.c = ["0 mm", "0 mm", "600 mm"]
+nodes.q = ["300 mm", "0 mm", "600 mm"]
+nodes.k = ["600 mm", "0 mm", "600 mm"]
+fixed = ["f", "h"]
+masses = { k = "300 g" }
+members = { a = ["f", "m"], b = ["m", "c"], d = ["h", "n"], e = ["n", "k"], s = ["c", "q"], t = ["q", "k"] }
+"""
+COLUMN = """
+nodes = { foot = "0 mm", low = "200 mm", mid = "300 mm", high = "450 mm", top = "600 mm" }
+fixed = ["foot"]
+masses = { high = "300 g" }
+members = { a = ["foot", "low"], b = ["low", "mid"], d = ["mid", "high"], e = ["high", "top"] }
+"""
+
+
+@pytest.mark.parametrize(
+    ("more", "kind", "text"),
+    [
+        (PORTAL, "modes", "polarity:n-x"),  # two modes 12 % apart then looked like each other, and all shapes like neither
+        (PORTAL, "functions", "unit:q-z=0.101971621"),  # the loudest was right, and all others ten times too large
+        (PORTAL, "functions", "wrong-place:n-x:m"),  # three that read alike outvoted the rest near antiresonances
+        (PORTAL, "functions", "channel-swap:m-x:c-x"),  # and one of the two was at another place
+        (COLUMN, "functions", "wrong-reference:high-x:top-x"),  # where most modes have the same sign at both, none was named
+    ],
+)
+def test_a_mistake_is_named_where_shapes_are_near_each_other(more: str, kind: str, text: str, tmp_path: Path) -> None:
+    model = tmp_path / "frame.toml"
+    model.write_text(FRAME + more, encoding="utf-8")
+    portal = more == PORTAL
+    points = ("m:x", "c:x", "k:x", "n:x", "q:z", "q:x") if portal else ("low:x", "mid:x", "high:x", "top:x")
+    given = {"noise": 1.0, "tolerances": 1.0, "band": (10.0, 390.0) if portal else (10.0, 1500.0)}
+    drives = ("c:x", "q:z") if portal else ("mid:x", "high:x")
+    given |= {"drives": drives if kind == "functions" else (), "responses": points, "block": 0.0}
+    plan = structure_tests.plan_of(str(model), kind=kind, effects=(text,), seed=1, **given)  # type: ignore[arg-type]
+    structure_tests.simulate(plan).fill(tmp_path / "test")
+    assert named(Study.open(str(model), [str(tmp_path / "test" / "test.toml")])) == [str(parse(text, ANY))]
+
+
 @pytest.mark.parametrize(("agrees", "ids"), [(True, ["wrong-place:a:far"]), (False, [])])
 def test_a_place_is_wrong_where_what_else_moves_is_as_expected_and_not_by_what_hardly_moves(agrees: bool, ids: list[str]) -> None:
     """A part twice as heavy moves all that moves; sensors along columns, which read next to nothing, agreed with the model."""
@@ -126,6 +179,40 @@ def test_a_place_is_wrong_where_what_else_moves_is_as_expected_and_not_by_what_h
 
     units = {"acceleration": {"m/s^2": 1.0}}
     found = _of_channels(one, y.astype(complex), np.full(p.shape, 0.03), units, read)  # type: ignore[arg-type]
+    assert [cause.id for cause in found] == ids
+
+
+def test_what_should_be_at_rest_has_no_vote_in_how_large_a_mode_is() -> None:
+    rest, sway = [-1.413, -0.005, 0.002, 1.418, 1.412, -0.002], [-0.58, -1.33, -1.33, -0.58, 0.0, -1.33]
+    p, wrong = np.array([rest, sway]), np.array([0.7, 0.7, 0.7, -0.7, 0.7, 0.7])
+    for noise in (-0.7, 0.0, 0.7):  # of what is due there, with the sign of the fourth, which is wrong
+        y = np.where(np.abs(p) < 0.1, noise * p, p * wrong)
+        assert _shared_factor(y.astype(complex), p.astype(complex)).real == pytest.approx(0.7, rel=0.03)
+
+
+@pytest.mark.parametrize(("modes", "ids"), [(4, []), (8, ["wrong-place:a:far"])])
+def test_lines_say_as_much_as_there_are_modes_among_them(modes: int, ids: list[str]) -> None:
+    """Of a place whose shapes are near those of the stated one, four independent readings are not sure; a band has more."""
+    rng = np.random.default_rng(2)
+    p = rng.standard_normal((400, 6))
+    far = np.tile(p[:, :1] + 0.5 * p[:, 1:2], (1, 6))
+    y = np.column_stack([far[:, 0], p[:, 1:]]) + 0.02 * rng.standard_normal(p.shape)
+    one = SimpleNamespace(
+        rows=p,
+        parameters=(),
+        measured=SimpleNamespace(name="functions", channels=tuple("abcdef")),
+        there=SimpleNamespace(places=("far",)),
+        effects=(),
+        with_effects=lambda effects: SimpleNamespace(
+            rows=np.hstack([far[:, :1], p[:, 1:]]) if effects[0].named.family == "wrong-place" else 0 * p, parameters=()
+        ),
+    )
+
+    def read(of: Any) -> Any:
+        return SimpleNamespace(rows=of.rows[:, None, :, None].astype(complex), changes={})
+
+    units = {"acceleration": {"m/s^2": 1.0}}
+    found = _of_channels(one, y.astype(complex), np.full(p.shape, 0.2), units, read, modes)  # type: ignore[arg-type]
     assert [cause.id for cause in found] == ids
 
 

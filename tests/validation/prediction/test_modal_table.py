@@ -164,6 +164,31 @@ def test_modes_that_have_changed_places_are_found_by_their_shapes() -> None:
     assert modal_table.partners(modal_table.real_modes(of.nominal), close)[:2] == (1, 0)
 
 
+@pytest.mark.parametrize(("factor", "unit"), [(2 * np.pi, "rad/s"), (60.0, "cycles per minute"), (1e-3, "kHz"), (4.0, "")])
+def test_frequencies_in_another_unit_are_refused_by_its_name(factor: float, unit: str) -> None:
+    """They were fitted: a part without any stiffness, and nothing known after minutes."""
+    known = table(chain(), count=3)
+    other = replace(known, frequency=1.02 * factor * known.frequency)
+    if unit:
+        with pytest.raises(BadInput, match=rf"all 3 within .* they look like {unit}. Write them in hertz"):
+            modal_table.of(chain(), other)
+    else:
+        modal_table.of(chain(), other)
+
+
+def test_a_sensor_with_a_wrong_sign_pairs_modes_as_it_reads_them() -> None:
+    of = chain()
+    known = table(of, count=4)
+    turned = np.array(known.shapes)
+    turned[:, 0] *= -1
+    modes, close = modal_table.real_modes(of.nominal), np.array([10.0, 10.1, 10.2, 10.3])  # shapes alone tell them
+    inverted = replace(known, shapes=turned, frequency=close)
+    effect = Added(named=Named(family="polarity", targets=(known.sensors[0].name,), values={}), fixed=True)
+    straight = modal_table.partners(modes, replace(known, frequency=close))
+    assert modal_table.partners(modes, inverted, [effect]) == straight
+    assert modal_table.partners(modes, inverted) != straight
+
+
 def test_without_shapes_pairs_keep_the_order_and_a_mode_that_was_not_measured_is_passed_over() -> None:
     assert paired([10.0, 20.0, 30.0], [11.0, 15.0, 21.0, 33.0]) == (0, 2, 3)
     assert paired([10.0, 20.0, 30.0], [10.0, 29.0]) == (0, -1, 1)

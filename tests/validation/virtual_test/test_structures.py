@@ -135,6 +135,25 @@ def test_a_mass_is_planted_at_coordinates_on_a_member_and_refused_beside_it(run:
     assert tabulated("mast", "@0,0,0.6")[0] < 0.98 * tabulated("mast", "middle")[0]
     said = refused("simulate", "mast.toml", *asked.split(), "none", "--effect", "point-mass:@0,0,5=0.3")
     assert "--effect: `point-mass:@0,0,5`: lies 4200 mm outside the mesh; the nearest point is (0, 0, 800) mm" in said
+    for light in ("point-mass:middle=-60", "point-mass:@0,0,0.6=-60"):
+        said = refused("simulate", "mast.toml", *asked.split(), "none", "--effect", light)
+        assert "a place or a part weighs less than nothing. Take away no more than there is" in said
+
+
+@pytest.mark.parametrize("moves", ['["x"]', '["x", "z", "ry"]'])
+def test_a_test_is_driven_and_read_at_coordinates_of_a_planar_frame_too(moves: str, run: Any, refused: Any) -> None:
+    """A point between two nodes had no name, and a frame has no other places than its nodes."""
+    model = MAST.replace("members =", f"moves = {moves}\nmembers =")
+    Path("mast.toml").write_text(model)
+    points = "--drive @0,0,0.3:x --response @0,0,0.6:x --response middle:x --response tip:x"
+    quiet = "--band 5 1500 --block 0.5 --noise off --tolerances off"
+    assert run("simulate", "mast.toml", "--test", "functions", *points.split(), *quiet.split(), "--out", "made")[0] == 0
+    code, out, _ = run("compare", "mast.toml", "made", "--json")
+    assert code == 0
+    assert json.loads(out)["nominal_error_percent"] < 1e-3
+    table = Path("made/test.toml")
+    table.write_text(table.read_text().replace("@0,0,0.6:x", "@0,0,6:x"))
+    assert "lies 5200 mm outside the mesh" in refused("compare", "mast.toml", "made")
 
 
 def test_a_table_has_no_mode_that_moves_no_sensor_and_one_that_has_is_compared_all_the_same(run: Any) -> None:
