@@ -80,8 +80,8 @@ SWINGING = (1e-3, 1e-1, 1e1, 1e2)
 """[kg] of a resonator that explains a mode of a table, where a fit of it may begin. By definition."""
 
 STRANGE = (
-    "{} of the table is left out: without it all others have a partner in the model, and the data are more probable if it is none "
-    "of the structure (a machine's, the mains') or of something that the model lacks; `leave_out` of the table says so for good"
+    "{} of the table is left out: without it all others have a partner in the model, and the data are more probable if it is "
+    "none of the structure (a machine's, the mains') or of something that the model lacks; `leave_out` says so for good"
 )
 """What is said of a mode without a partner."""
 

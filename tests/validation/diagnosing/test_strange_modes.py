@@ -1,6 +1,5 @@
 """A mode of a table that the model has not: of something that swings on the structure, or of none of it."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
