@@ -1,7 +1,7 @@
 """`ModalTable`: measured frequencies, damping and shapes of an article with their standard deviations, and its readers."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -82,6 +82,12 @@ class ModalTable:
             shapes.setflags(write=False)
             object.__setattr__(self, "shapes", shapes)
         object.__setattr__(self, "names", self.names or tuple(f"mode {k + 1}" for k in range(m)))
+
+    def of_modes(self, kept: Sequence[int]) -> "ModalTable":
+        """The same of the modes numbered alone, from 0."""
+        by_mode = ("frequency", "frequency_deviation", "damping_ratio", "damping_deviation", "shapes", "shapes_deviation")
+        some = {name: value[list(kept)] for name in (*by_mode, "before", "since") if (value := getattr(self, name)) is not None}
+        return replace(self, **some, names=tuple(self.names[k] for k in kept))
 
 
 KEYS = [

@@ -9,7 +9,7 @@ from math import inf, log, sqrt
 import numpy as np
 
 from geometry.errors import CheckFailed
-from validation.diagnose.candidates import band, has_lines, is_resonator, sizes
+from validation.diagnose.candidates import is_resonator, looked_up, sizes
 from validation.diagnose.diagnosis import SIGNIFICANT, Candidate
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import AT, OPENED, PERIOD_STAGE, evidence_threshold
@@ -195,7 +195,7 @@ def restarted_from_priors(data: Study, at: Candidate, added: Added | None = None
     which, *others = (name(added.named, size.key) for size in added.named.fitted_sizes)
     home, coarse = declared(problem, at.fit), problem.sparser(STRIDE)
     if others:  # of a resonator: its frequency anywhere in the band
-        low, high = np.log(band(one.measured.frequency for one in (*data.made, *data.tests) if has_lines(one)))
+        low, high = np.log(looked_up(data))
         places = {others[0]: np.linspace(low, high, SINGLE_PLACES) - np.log(added.named.values["f"])}
         begin = home | start(coarse, others[:1], base=home, places=places, amplitude=which, floor=COARSE[0])
     else:
@@ -269,7 +269,7 @@ def in_band(data: Study, one: CandidateFit) -> bool:
     """Whether a resonator stayed where the data are; far below them it is a spring to the ground, far above a mass."""
     if not is_resonator(one.added.named):
         return True
-    low, high = band(made.measured.frequency for made in (*data.made, *data.tests) if has_lines(made))
+    low, high = looked_up(data)
     return low <= one.added.named.values["f"] <= high
 
 

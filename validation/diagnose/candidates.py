@@ -30,6 +30,7 @@ from validation.history.add import names_of
 from validation.model.model import Added
 from validation.prediction import effects
 from validation.prediction.classical_facts import ArticleFact
+from validation.prediction.modal_table import TableFrequencies
 from validation.prediction.series import pilots
 from validation.prediction.structure_tests import StructurePrediction
 from validation.study import Study
@@ -62,20 +63,23 @@ def baseline(study: Study) -> Candidate:
     return Candidate(effects=(), fit=study.all_free().required(), problem=study.problem())
 
 
-def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str] = ()) -> tuple[Added, ...]:
+def candidates(
+    data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str] = (), swinging: bool = False
+) -> tuple[Added, ...]:
     """What could be missing from the model of `data`.
 
     Parameters
     ----------
     only : families or ids that are looked for; all where nothing is said
     leave_out : families or ids that are not
+    swinging : whether resonators are asked for where there are but modes, which no straight line leads to
 
     Raises
     ------
     BadInput : one of `only` is no effect that could act on these data and be told by them.
     """
     words, known = data.words, {one.named.id for one in data.model.effects}
-    lines = any(has_lines(one) for one in (*data.made, *data.tests))
+    lines = swinging or any(has_lines(one) for one in (*data.made, *data.tests))
     once = {word for wanted in only for word in wanted.split(":")}
     once |= {name for one in (*data.made, *data.tests) if one.structure for name in one.structure.nominal.once}
     words = replace(words, places=tuple(place for place in words.places or () if place in once))
@@ -291,6 +295,12 @@ def band(frequencies: Iterable[Array]) -> tuple[float, float]:
     return min(float(one[0]) for one in known) / BEYOND, max(float(one[-1]) for one in known) * BEYOND
 
 
+def looked_up(data: Study) -> tuple[float, float]:
+    """[Hz] The same of all that `data` have, lines or modes of tables."""
+    every = (*data.made, *data.tests)
+    return band(np.sort(one.table.frequency) if isinstance(one, TableFrequencies) else one.measured.frequency for one in every)
+
+
 def shape(frequency: Array, own: float, zeta: float) -> ComplexArray:
     """(m,) The answer of a resonator over that of those of the menu."""
     spring, menu = (f**2 + 2j * ratio * f * frequency for f, ratio in ((own, zeta), (TINY_AT["f"], TINY_AT["zeta"])))
@@ -326,8 +336,10 @@ class AnySize:
 
     @classmethod
     def of(cls, there: Candidate, added: Added) -> "AnySize | None":
-        """Of an effect of `there`, from where its fit ended; None of one that a straight line follows."""
-        if added.fixed or added.named.family not in SPRINGS:
+        """Of an effect of `there`, from where its fit ended, of a resonator of a table its mass; None of one that a straight line
+        follows."""
+        lines = any(map(has_lines, there.problem.predictions))
+        if added.fixed or (added.named.family not in SPRINGS and (lines or not is_resonator(added.named))):
             return None
         name = next(iter(names_of(there.problem, added.named)), "")
         if name not in (known := in_the_fit(there.fit)):

@@ -21,7 +21,18 @@ from identification.campaign import Campaign
 from identification.quality import NORMAL_90
 from validation.compare.correlation import correlations
 from validation.diagnose import candidates, diagnosis, pendulum, search
-from validation.diagnose.candidate_fits import CandidateFit, GoodnessOfFit, goodness_of_fit
+from validation.diagnose.candidate_fits import (
+    CandidateFit,
+    GoodnessOfFit,
+    candidate_fit,
+    declared,
+    goodness_of_fit,
+    in_band,
+    is_accepted,
+    ranked,
+    recentred,
+)
+from validation.diagnose.candidates import TINY_AT
 from validation.diagnose.everywhere import elsewhere, found_nodes, kind_of, with_twins, without_a_name
 from validation.diagnose.landmark_search import FromAfar, line_fit
 from validation.diagnose.mistakes import mistakes
@@ -30,13 +41,13 @@ from validation.diagnose.nonlinear import differing_levels, nonlinear
 from validation.diagnose.search import SearchStep, placed_from_afar, stepwise_search
 from validation.diagnose.unexplained import Explanation, described, unexplained
 from validation.effects import effect
-from validation.effects.catalogue import FAMILIES, code_of_families, parse
+from validation.effects.catalogue import FAMILIES, Named, code_of_families, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS
 from validation.effects.practical_units import written_as
 from validation.estimation.evaluate import evaluate, folds
-from validation.estimation.fit import COARSE, FLOOR, PLAIN_FLOOR, nearby, unfitted
-from validation.estimation.likelihood import ends_of
-from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, Evaluation, Offsets
+from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, PLAIN_FLOOR, child, nearby, unfitted
+from validation.estimation.likelihood import cost_of, ends_of
+from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, Evaluation, Offsets, Problem
 from validation.estimation.screening import in_the_fit
 from validation.estimation.verdicts import tolerances
 from validation.history.add import completed
@@ -45,6 +56,7 @@ from validation.model.setups import above_fmd, is_stack
 from validation.model.tolerance_classes import METROLOGY
 from validation.output import nats, with_unit
 from validation.prediction.effects import name
+from validation.prediction.modal_table import TableFrequencies, TableShapes
 from validation.study import Data, Options, Study, read
 
 LEFT = 60.0
@@ -63,6 +75,15 @@ RAREST = 1e-6
 
 RIVALS = 2
 """[count] of explanations between which a test is looked for. By definition."""
+
+SWINGING = (1e-3, 1e-1, 1e1, 1e2)
+"""[kg] of a resonator that explains a mode of a table, where a fit of it may begin. By definition."""
+
+STRANGE = (
+    "{} of the table is left out: without it all others have a partner in the model, and the data are more probable if it is "
+    "none of the structure (a machine's, the mains') or of something that the model lacks; `leave_out` says so for good"
+)
+"""What is said of a mode without a partner."""
 
 Progress = Callable[[str, float], None]
 """Hears what is done now, and the share of it."""
@@ -93,7 +114,11 @@ def diagnosed(
         right = right.ready_at(positions)
     linear = [one for one in only if FAMILIES[one.partition(":")[0]].side != effect.AMPLITUDE]
     # Refuses what could not act, before any fit
-    menu = candidates.candidates(right, only=linear, leave_out=leave_out) if linear else ()
+    rest, odd, price = without_strangers(of)
+    menu = candidates.candidates(right, only=linear, leave_out=leave_out, swinging=True) if linear else ()
+    if not any(map(candidates.has_lines, (*right.made, *right.tests))):  # no straight line leads to a resonator
+        menu = tuple(one for one in menu if not candidates.is_resonator(one.named))
+    least = -price
     if differing := differing_levels(right):
         found = nonlinear_answer(right, differing, tell, only=only, leave_out=leave_out)
     else:
@@ -111,6 +136,14 @@ def diagnosed(
             base = diagnosis.Candidate(effects=(), fit=right.all_free(begin=fit), problem=right.problem())
         menu = menu if only else candidates.candidates(right, leave_out=leave_out)
         right, at, steps = stepwise_search(right, base, menu, tell, elsewhere if every else None, fitted)
+        for hertz in odd.values():
+            tried = swinging(right, base, hertz, wanted)
+            if tried and is_weighed(tried[0]):
+                begun = replace(steps[0], tried=tried, added=tried[0].id)
+                ready, end, led = stepwise_search(right, base, menu, tell, elsewhere if every else None, begun=begun)
+                right, at, steps = max((right, at, steps), (ready, end, led), key=lambda one: one[1].fit.log_evidence)
+            elif tried:  # a force there would swing it likewise
+                least = max(least, base.fit.log_evidence + tried[0].evidence - EVIDENCE_THRESHOLD)
         unknown = right.tests and not right.made and not goodness_of_fit(at.fit, at.problem).null
         afar = FromAfar.search(right, menu, tell) if unknown else None
         placed = None
@@ -126,10 +159,69 @@ def diagnosed(
         found = answer(right, at, steps, tell) if afar is None else answer_from_afar(right, base, steps, afar, menu, tell)
         found = replace(found, everywhere=nodes, nodes=every)
     whole = with_mistakes(of, found, mistaken) if mistaken else found
+    if odd and whole.after.fitted.log_evidence < least:  # else nothing that the others say could be worth it
+        tell(f"leaving out {' and '.join(odd)}", 0.0)
+        with suppress(BadInput, CheckFailed):
+            told = diagnosed(rest, only=only, leave_out=leave_out, progress=progress)
+            brings = max(told.after.fitted.log_evidence - price, least if least > -price else -inf)
+            if told.verdict != diagnosis.UNKNOWN and brings > whole.after.fitted.log_evidence:
+                return replace(told, remarks=(STRANGE.format(" and ".join(odd)), *told.remarks))
     alike = correlations(of.whole().predictions) if of.tests else ()
     said = (*whole.remarks, *(text.rstrip(".") for one in (*of.tests, *alike) for text in one.remarks))
     whole = replace(whole, correlation=alike, remarks=tuple(dict.fromkeys(said)))
     return replace(whole, only=tuple(only), settings={**whole.settings, "only": list(only), "leave_out": list(leave_out)})
+
+
+def without_strangers(of: Study) -> tuple[Study, Mapping[str, float], float]:
+    """`of` without those modes of its tables that stand in the way of all others, their frequencies [Hz], and how dear that is
+    [nats]."""
+    tables = [one for one in of.tests if isinstance(one, TableFrequencies | TableShapes)]
+    odd = {id(one.table): one.strangers for one in tables}
+    left = {id(one): one.without(odd[id(one.table)]) for one in tables}
+    price = sum(one.chance(name) for one in tables for name in odd[id(one.table)])
+    hertz = {name: float(one.table.frequency[one.table.names.index(name)]) for one in tables for name in odd[id(one.table)]}
+    return replace(of, tests=tuple(left.get(id(one), one) for one in of.tests)), hertz, price + EVIDENCE_THRESHOLD * len(hertz)
+
+
+def is_weighed(one: CandidateFit) -> bool:
+    """Whether the data say that a resonator, the newest effect, weighs anything: a machine swings a structure likewise."""
+    mass = as_cause(one.added, one.candidate, one.evidence, one.goodness).sizes[0]
+    return 2 * one.added.named.sizes[0].low < mass.low < mass.high
+
+
+def swinging(study: Study, base: diagnosis.Candidate, hertz: float, wanted: Callable[[Named], bool]) -> tuple[CandidateFit, ...]:
+    """Resonators beside `base` that have a mode of a table which the model has not, at its frequency, the best place first; those
+    that are `wanted`.
+
+    No straight line promises one: of next to no mass it makes no mode that a table would hold. How its mode moves the sensors
+    tells the place, whatever its mass is.
+    """
+
+    def of_mass(one: Added, mass: float) -> tuple[Added, Problem]:
+        added = replace(one, named=replace(one.named, values={"m": mass, "f": hertz, "zeta": TINY_AT["zeta"]}))
+        return added, study.problem((*base.effects, added))
+
+    def apart(one: Added) -> float:
+        _, problem = of_mass(one, SWINGING[0])
+        try:
+            return cost_of(problem, [], COARSE[0], declared(problem, base.fit)).total(np.zeros(0))[0].cost
+        except BREAKDOWNS:
+            return inf
+
+    menu, found = (
+        [one for one in candidates.candidates(study, swinging=True) if one.named.family == "absorber" and wanted(one.named)],
+        [],
+    )
+    for one in sorted(menu, key=apart)[: search.FEW]:
+        rough = []
+        for mass in SWINGING:
+            added, problem = of_mass(one, mass)
+            with suppress(CheckFailed):
+                fit = child(problem, FITTED, base.fit, declared(problem, base.fit), from_afar=True)
+                rough.append(recentred(study, diagnosis.Candidate(effects=(*base.effects, added), fit=fit, problem=problem)))
+        if rough:
+            found.append(candidate_fit(base, min(rough, key=lambda each: each.fit.cost)))
+    return tuple(ranked([one for one in found if in_band(study, one) and is_accepted(one)]))
 
 
 def diagnosed_once(
@@ -475,7 +567,7 @@ def as_cause(added: Added, of: diagnosis.Candidate, evidence: float, stands: Goo
                 x, sd = alone[one.name].estimate, alone[one.name].deviation
                 value = min(max(one.value(x), size.low), size.high)
             ends = [x - NORMAL_90 * sd, x + NORMAL_90 * sd]
-            if (any_size := candidates.AnySize.of(of, added)) is not None:
+            if size.key in ("", "m") and (any_size := candidates.AnySize.of(of, added)) is not None:
                 x, *ends = any_size.interval()
                 value = min(max(one.value(x), size.low), size.high)
             every = ends_of(one, x, ends)

@@ -404,6 +404,7 @@ def stepwise_search(
     progress: Progress,
     elsewhere: Elsewhere | None = None,
     fitted: Sequence[FoundNode] = (),
+    begun: SearchStep | None = None,
 ) -> tuple[Study, Candidate, tuple[SearchStep, ...]]:
     """The candidate that explains the data of `data` with the fewest effects of `menu`, and how it was found.
 
@@ -412,9 +413,10 @@ def stepwise_search(
     Parameters
     ----------
     fitted : those of `menu` that were fitted beside `base` already: what they brought is no promise any more
+    begun : the first step, where no straight line leads to it
     """
-    at, again = base, True
-    rounds: list[SearchStep] = []
+    at, again = base if begun is None else begun.tried[0].candidate, True
+    rounds = [] if begun is None else [begun]
     while len(at.effects) < MOST_EFFECTS and sum(not one.reconsidered for one in rounds) < 2 * MOST_EFFECTS:
         afar, known = at is base and not base.fit.converged, fitted if at is base else ()
         one = step_from_afar(data, at, menu, progress) if afar else None

@@ -27,7 +27,7 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import Point, Tolerances
-from identification.modal_table import SOUND_SHAPE, ModalTable, paired
+from identification.modal_table import SOUND_SHAPE, ModalTable, mac, paired
 from validation.effects.catalogue import FAMILIES, There
 from validation.effects.effect import CHANNEL_STAGE, STRUCTURE_STAGE
 from validation.effects.stages import ChannelResponse, Matrices
@@ -217,6 +217,38 @@ def partners(modes: RealModes, table: ModalTable, effects: Sequence[Added] = ())
     return tuple(int(moving[k]) for k in paired(known, f[moving], table.shapes, shapes))
 
 
+STRANGE = 0.5
+"""[1] MAC below which two modes are no pair. By definition: most of the motion of one is not in the other."""
+
+ALIKE = 0.8
+"""[1] MAC from which all other modes of a table must have partners for one to be a stranger among them. By definition, between
+the 0.9 of shapes that are called one and what a fault leaves of those that it changes."""
+
+
+def strangers(modes: RealModes, table: ModalTable) -> tuple[int, ...]:
+    """Which modes of `table`, from 0, stand in the way of all others, that are like modes of the model of their own without them:
+    of a machine, of the mains, or of a part that the model has not. None where shapes do not say so, or half or more would be.
+    """
+    if table.shapes is None:
+        return ()
+    like = mac(table.shapes, (seen(modes.matrices, table) @ modes.shapes).T)
+    kept = list(range(len(table.frequency)))
+
+    def pairs(of: Sequence[int]) -> Array:
+        try:
+            return like[of, list(partners(modes, table.of_modes(of)))]
+        except ValueError:
+            return np.zeros(len(of))
+
+    if pairs(kept).min() >= STRANGE:
+        return ()
+    while 2 * (len(kept) - 1) > len(table.frequency):
+        kept = max(([k for k in kept if k != one] for one in kept), key=lambda of: pairs(of).sum())
+        if pairs(kept).min() >= ALIKE:
+            return tuple(k for k in range(len(table.frequency)) if k not in kept)
+    return ()
+
+
 def since_before(modes: RealModes, table: ModalTable) -> ModalTable:
     """`table` as it would be of an article that had the frequencies of the model before, mode by mode: only what has changed
     since is left.
@@ -321,6 +353,29 @@ class _TablePart(ABC):
     def by(self, structure: Nuisances) -> Self:
         """The same data by another model of the structure."""
         return replace(self, structure=structure)
+
+    @property
+    def strangers(self) -> tuple[str, ...]:
+        """Names of the modes that stand in the way of the pairs with the model as drawn, see `strangers`."""
+        return tuple(self.table.names[k] for k in strangers(real_modes(self.structure.nominal), self.table))
+
+    def chance(self, mode: str) -> float:
+        """[nats] by which it is less probable that the mode named was read anywhere than where a model has it: the logarithm of
+        all that a table may hold, frequencies up to its highest and shapes of either sign, over the deviations.
+        """
+        from identification.modal_table import HEAVY
+
+        k = self.measured.runs.index(mode)
+        sd = self.measured.noise[k, 0] * np.sqrt(2 * np.pi)
+        if not self.measured.judged.any():
+            return float(np.sum(np.log(2 / sd)) - np.log(2 / sd.min()))  # its factor is free
+        return float(np.sum(np.log(np.array([self.table.frequency.max(), HEAVY])[: len(sd)] / sd)))
+
+    def without(self, modes: Sequence[str]) -> Self:
+        """The same model of a table that has not the `modes` named."""
+        kept = [k for k, name in enumerate(self.table.names) if name not in modes]
+        left = [run for run in self.measured.runs if run not in modes]
+        return replace(self, table=self.table.of_modes(kept), measured=self.measured.on(left))
 
     def attached(self, offsets: Offsets, lines: Lines, rows: Array, inputs: ComplexArray) -> dynamic_mass.AttachedResponse:
         """What a mass at places would change, to first order: all modes serve every place.

@@ -235,9 +235,7 @@ def within(test: Test, band: tuple[float, float] | None) -> Test:
     if not len(kept):
         problem = f"no mode of {test.title} lies within {band[0]:g} to {band[1]:g} Hz"
         raise BadInput(source="--band", field=test.title, problem=problem, remedy="Ask for a wider band, or leave it out")
-    by_mode = ("frequency", "frequency_deviation", "damping_ratio", "damping_deviation", "shapes", "shapes_deviation", "before")
-    some = {name: getattr(test, name)[kept] for name in by_mode if getattr(test, name) is not None}
-    return replace(test, **some, names=tuple(test.names[k] for k in kept))
+    return test.of_modes(kept.tolist())
 
 
 COMMON = 3

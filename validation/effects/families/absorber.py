@@ -15,7 +15,7 @@ FAMILY = Family(
     side=STRUCTURE,
     what="a resonator at a place of the article",
     targets=(PLACE,),
-    sizes=resonator(100.0),
+    sizes=resonator(1000.0),
     example="absorber:mast-top=m:0.05,f:21,zeta:0.01",
     stage=STRUCTURE_STAGE,
     change=change,
