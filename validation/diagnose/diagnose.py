@@ -176,7 +176,7 @@ def without_strangers(of: Study) -> tuple[Study, Mapping[str, float], float]:
     """`of` without those modes of its tables that stand in the way of all others, their frequencies [Hz], and how dear that is
     [nats]."""
     tables = [one for one in of.tests if isinstance(one, TableFrequencies | TableShapes)]
-    odd = {id(one.table): one.strangers for one in tables}
+    odd = {id(one.table): one.with_effects(of.model.effects).strangers for one in tables}
     left = {id(one): one.without(odd[id(one.table)]) for one in tables}
     price = sum(one.chance(name) for one in tables for name in odd[id(one.table)])
     hertz = {name: float(one.table.frequency[one.table.names.index(name)]) for one in tables for name in odd[id(one.table)]}

@@ -356,8 +356,8 @@ class _TablePart(ABC):
 
     @property
     def strangers(self) -> tuple[str, ...]:
-        """Names of the modes that stand in the way of the pairs with the model as drawn, see `strangers`."""
-        return tuple(self.table.names[k] for k in strangers(real_modes(self.structure.nominal), self.table))
+        """Names of the modes that stand in the way of the pairs with the model before any fit, see `strangers`."""
+        return tuple(self.table.names[k] for k in strangers(self.found({}, derivatives=False)[0], self.table))
 
     def chance(self, mode: str) -> float:
         """[nats] by which it is less probable that the mode named was read anywhere than where a model has it: the logarithm of

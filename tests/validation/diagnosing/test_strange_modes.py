@@ -1,5 +1,6 @@
 """A mode of a table that the model has not: of something that swings on the structure, or of none of it."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,10 +8,14 @@ import tomlkit
 from numpy.typing import ArrayLike
 
 from validation.diagnose.diagnose import diagnosed, without_strangers
+from validation.effects.catalogue import parse
+from validation.effects.effect import Vocabulary
 from validation.effects.stages import Matrices
+from validation.model.model import Added
 from validation.prediction.modal_table import real_modes, seen
 from validation.study import Study
 
+ANY = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
 FLOORS, MODES = 5, 4
 LEGS = 'legs-{1} = ["floor-{0}", "floor-{1}"]'
 MODEL = f"""format = 1
@@ -93,3 +98,8 @@ def test_what_swings_on_a_floor_is_found_there_with_its_mass(tmp_path: Path) -> 
     mass, frequency, _ = found.sizes
     assert mass.low < 1.2 < mass.high < 3
     assert frequency.low < 9.0 < frequency.high
+    of = Study.open(model, [path])
+    assert tuple(without_strangers(of)[1]) == ("mode 2",)
+    known = Added(named=parse("absorber:floor-4=m:1.2,f:9,zeta:0.01", ANY))
+    _, odd, _ = without_strangers(replace(of, model=replace(of.model, effects=(known,))))
+    assert not odd  # the model has it
