@@ -236,10 +236,10 @@ def test_base_tests_of_two_articles_are_asked_for_the_coordinates_of_both_as_wel
     assert "which acts on a and b" in said
 
 
-def test_frequencies_in_radians_a_second_are_told(study, answer):
+def test_frequencies_in_radians_a_second_are_told(study, refused, answer):
     """Each was paired with the mode that lay nearest, without a word."""
-    said = " ".join(answer("compare", study(f"frequencies = {[round(6.2832 * one, 3) for one in HERTZ]}\n"))["warnings"])
-    assert "6.28 times those of the lowest modes: they are in rad/s" in said
+    said = refused("compare", study(f"frequencies = {[round(6.2832 * one, 3) for one in HERTZ]}\n"))
+    assert "they look like rad/s. Write them in hertz" in said
     assert "rad/s" not in " ".join(answer("compare", study(TABLE))["warnings"])
 
 

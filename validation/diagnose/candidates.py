@@ -338,8 +338,9 @@ class AnySize:
     def of(cls, there: Candidate, added: Added) -> "AnySize | None":
         """Of an effect of `there`, from where its fit ended, of a resonator of a table its mass; None of one that a straight line
         follows."""
-        lines = any(map(has_lines, there.problem.predictions))
-        if added.fixed or (added.named.family not in SPRINGS and (lines or not is_resonator(added.named))):
+        if added.fixed or not (added.named.family in SPRINGS or is_resonator(added.named)):
+            return None
+        if is_resonator(added.named) and any(map(has_lines, there.problem.predictions)):
             return None
         name = next(iter(names_of(there.problem, added.named)), "")
         if name not in (known := in_the_fit(there.fit)):

@@ -208,7 +208,7 @@ def test_a_click_on_the_map_goes_to_the_worst_line_of_its_column(tmp_path, monke
     async def drawn(_):
         pass
 
-    monkeypatch.setattr(panels, "drawn", drawn)
+    monkeypatch.setattr(curves, "drawn", drawn)
     monkeypatch.setattr(panels, "nearest", drawn)
 
     async def story():
