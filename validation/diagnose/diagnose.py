@@ -114,7 +114,7 @@ def diagnosed(
         right = right.ready_at(positions)
     linear = [one for one in only if FAMILIES[one.partition(":")[0]].side != effect.AMPLITUDE]
     # Refuses what could not act, before any fit
-    rest, odd, price = without_strangers(of)
+    rest, odd, price = without_strangers(of, right.model.effects)
     menu = candidates.candidates(right, only=linear, leave_out=leave_out, swinging=True) if linear else ()
     if not any(map(candidates.has_lines, (*right.made, *right.tests))):  # no straight line leads to a resonator
         menu = tuple(one for one in menu if not candidates.is_resonator(one.named))
@@ -172,11 +172,11 @@ def diagnosed(
     return replace(whole, only=tuple(only), settings={**whole.settings, "only": list(only), "leave_out": list(leave_out)})
 
 
-def without_strangers(of: Study) -> tuple[Study, Mapping[str, float], float]:
-    """`of` without those modes of its tables that stand in the way of all others, their frequencies [Hz], and how dear that is
-    [nats]."""
+def without_strangers(of: Study, effects: Sequence[Added]) -> tuple[Study, Mapping[str, float], float]:
+    """`of` without those modes of its tables that stand in the way of all others beside a model with `effects`, their frequencies
+    [Hz], and how dear that is [nats]."""
     tables = [one for one in of.tests if isinstance(one, TableFrequencies | TableShapes)]
-    odd = {id(one.table): one.with_effects(of.model.effects).strangers for one in tables}
+    odd = {id(one.table): one.with_effects(effects).strangers for one in tables}
     left = {id(one): one.without(odd[id(one.table)]) for one in tables}
     price = sum(one.chance(name) for one in tables for name in odd[id(one.table)])
     hertz = {name: float(one.table.frequency[one.table.names.index(name)]) for one in tables for name in odd[id(one.table)]}

@@ -25,7 +25,7 @@ import numpy as np
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
-from geometry.frames import Array
+from geometry.frames import Array, Integers
 from geometry.sensors import Point, Tolerances
 from identification.modal_table import SOUND_SHAPE, ModalTable, mac, paired
 from validation.effects.catalogue import FAMILIES, There
@@ -205,16 +205,19 @@ def partners(modes: RealModes, table: ModalTable, effects: Sequence[Added] = ())
     moving = moving[np.isfinite(f[moving])]
     if len(moving) < len(table.frequency):
         raise ValueError(f"the model has {len(moving)} modes, and the table {len(table.frequency)}")
-    shapes = None
-    if table.shapes is not None:
-        mistaken = [one for one in effects if one.fixed]
-        sizes = {one.named.id: one.named.value for one in mistaken if one.named.family in points.RESPONSES}
-        where = points.rows(modes.matrices, table.sensors, (), points.asked(mistaken, points.RESPONSES), sizes)
-        read = (where.values @ modes.shapes[:, moving]).T[:, :, None].astype(np.complex128)
-        stage = ChannelResponse(frequency=f[moving], channels=tuple(one.name for one in table.sensors), rows=read)
-        shapes = prediction_effects.channels(stage, {}, mistaken, derivatives=False)[0].rows[..., 0]
+    shapes = None if table.shapes is None else read_by(modes, moving, table, effects)
     known = table.frequency if table.since is None or table.before is None else table.since * table.before[:, 0]  # as it was
     return tuple(int(moving[k]) for k in paired(known, f[moving], table.shapes, shapes))
+
+
+def read_by(modes: RealModes, of: Integers, table: ModalTable, effects: Sequence[Added]) -> ComplexArray:
+    """(q, s) what the sensors of `table` read of the modes `of` (q,), with those of `effects` that are known mistakes."""
+    mistaken = [one for one in effects if one.fixed]
+    sizes = {one.named.id: one.named.value for one in mistaken if one.named.family in points.RESPONSES}
+    where = points.rows(modes.matrices, table.sensors, (), points.asked(mistaken, points.RESPONSES), sizes)
+    read = (where.values @ modes.shapes[:, of]).T[:, :, None].astype(np.complex128)
+    stage = ChannelResponse(frequency=modes.frequency[of], channels=tuple(one.name for one in table.sensors), rows=read)
+    return prediction_effects.channels(stage, {}, mistaken, derivatives=False)[0].rows[..., 0]
 
 
 STRANGE = 0.5
@@ -225,18 +228,20 @@ ALIKE = 0.8
 the 0.9 of shapes that are called one and what a fault leaves of those that it changes."""
 
 
-def strangers(modes: RealModes, table: ModalTable) -> tuple[int, ...]:
+def strangers(modes: RealModes, table: ModalTable, effects: Sequence[Added] = ()) -> tuple[int, ...]:
     """Which modes of `table`, from 0, stand in the way of all others, that are like modes of the model of their own without them:
     of a machine, of the mains, or of a part that the model has not. None where shapes do not say so, or half or more would be.
     """
     if table.shapes is None:
         return ()
-    like = mac(table.shapes, (seen(modes.matrices, table) @ modes.shapes).T)
+    finite = np.flatnonzero(np.isfinite(modes.frequency))
+    like = np.zeros((len(table.frequency), len(modes.frequency)))
+    like[:, finite] = mac(table.shapes, read_by(modes, finite, table, effects))
     kept = list(range(len(table.frequency)))
 
     def pairs(of: Sequence[int]) -> Array:
         try:
-            return like[of, list(partners(modes, table.of_modes(of)))]
+            return like[of, list(partners(modes, table.of_modes(of), effects))]
         except ValueError:
             return np.zeros(len(of))
 
@@ -357,7 +362,7 @@ class _TablePart(ABC):
     @property
     def strangers(self) -> tuple[str, ...]:
         """Names of the modes that stand in the way of the pairs with the model before any fit, see `strangers`."""
-        return tuple(self.table.names[k] for k in strangers(self.found({}, derivatives=False)[0], self.table))
+        return tuple(self.table.names[k] for k in strangers(self.found({}, derivatives=False)[0], self.table, self.effects))
 
     def chance(self, mode: str) -> float:
         """[nats] by which it is less probable that the mode named was read anywhere than where a model has it: the logarithm of
