@@ -57,6 +57,7 @@ class ResponseFunctions:
     share : how far a reading repeats, as a share of it; None where the functions themselves must tell
     decay_rate : [1/s] inverse time constant of the exponential window of force and responses, with which a prediction is made; 0
         for none
+    smeared : share of what a Hann window smears over the lines of functions that were made here, which a prediction has too
     warnings : what is odd, in words
     """
 
@@ -76,6 +77,7 @@ class ResponseFunctions:
     scaled: bool = True
     share: float | None = None
     decay_rate: float = 0.0
+    smeared: float = 0.0
     warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -109,6 +111,7 @@ class Piece:
     coherence : (n,), None where it is not known
     averages : how many; 0 where it is not known
     quantity : of `QUANTITIES`, where the file says it
+    smeared : as in `ResponseFunctions`
     """
 
     source: str
@@ -119,6 +122,7 @@ class Piece:
     coherence: Array | None = None
     averages: int = 0
     quantity: str = ""
+    smeared: float = 0.0
 
 
 KEYS = (
@@ -202,6 +206,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
         force_gain=_tolerance(table.get("force_gain", GAIN), source, "force_gain"),
         scaled=table.get("gain") != "unknown" and table.get("force_gain") != "unknown",
         decay_rate=1 / decay if decay > 0 else 0.0,
+        smeared=max(one.smeared for one in pieces),
         share=None if table.get("share") is None else _tolerance(table["share"], source, "share"),
         warnings=(*warnings, *whole.warnings),
     )
@@ -511,6 +516,7 @@ def _of_records(
                 values=made.values[r, :, k],
                 coherence=made.coherence[r, :, k],
                 averages=made.averages,
+                smeared=made.smeared,
             )
             for r, drive in enumerate(drives)
             for k, at in enumerate(responses)

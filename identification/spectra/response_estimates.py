@@ -74,6 +74,7 @@ class Estimate:
     averages : independent averages, rounded down
     reach : [Hz] up to which the force drives
     rings : share of its largest value that an impulse response has at the end of its block; 0 where it is none to speak of
+    smeared : share of what a Hann window smears over its lines that is in them: 1 of random forces
     warnings : in words
     """
 
@@ -83,6 +84,7 @@ class Estimate:
     averages: int
     reach: float
     rings: float = 0.0
+    smeared: float = 0.0
     warnings: tuple[str, ...] = ()
 
 
@@ -166,9 +168,14 @@ def shaken(
         coherence=coherence,
         averages=int(averages + 1e-9),
         reach=reach,
+        smeared=float(window == "hann" and np.vdot(f[:-size], f[size:]) < PERIODIC * np.vdot(f[:-size], f[:-size])),
         warnings=tuple(f"{source}: {one}" for one in said),
     )
 
+
+PERIODIC = 0.5
+"""[1] Correlation of a force with itself a block later, from which it is the same in every block: nothing leaks then. By
+definition."""
 
 APART = 0.02
 """[share] What no other force explains of one, in the mean over lines, below which they are one. Held by

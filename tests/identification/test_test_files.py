@@ -558,6 +558,17 @@ def test_estimators_of_a_shaker_bracket_the_function_where_each_channel_is_noisy
     assert clean.coherence[0, near].min() > 0.95
 
 
+def test_a_hann_window_smears_what_random_forces_drive_and_nothing_that_repeats_in_every_block() -> None:
+    block = np.random.default_rng(0).standard_normal(RATE * 4)
+    forces = {"random": np.random.default_rng(1).standard_normal(20 * len(block)), "periodic": np.tile(block, 20)}
+    smeared = {
+        (name, window): response_estimates.shaken(one[:, None], answer(one)[:, None], RATE, block=4.0, window=window).smeared
+        for name, one in forces.items()
+        for window in ("hann", "boxcar")
+    }
+    assert [key for key, share in smeared.items() if share] == [("random", "hann")]
+
+
 def test_several_shakers_at_a_time_are_told_apart_and_their_noise_is_what_their_coherence_says() -> None:
     rng, errors, said = np.random.default_rng(1), [], []
     for _ in range(20):

@@ -85,6 +85,7 @@ class ResponseFunctionTest:
     gain, force_gain : tolerances of the gains, 0 for exact ones, infinite for unknown ones
     tolerances : of where the points are, and of how they are turned
     decay_rate : [1/s] of an exponential window of force and responses, or (n,) of each line
+    smeared : share of what a Hann window smears over lines that is in the functions
     scale : where the one factor that all readings share is not known: where a fit of it begins; None where it is known
     coherence : (r, n, c) of the functions; None where it is not known
     """
@@ -99,6 +100,7 @@ class ResponseFunctionTest:
     force_gain: float = GAIN
     tolerances: Tolerances = points.EXACT
     decay_rate: float | Array = 0.0
+    smeared: float = 0.0
     scale: float | None = None
     coherence: Array | None = None
     remarks: tuple[str, ...] = ()
@@ -207,9 +209,9 @@ class ResponseFunctionTest:
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
         """(r, n, c, 1) of the quantity that is read per newton, and its derivatives by the parameters that are wanted."""
         matrices, tangents = structure(self.structure, offsets, effects, derivatives=derivatives)
-        decay, smeared = self.decay_rate + offsets.get(WINDOW, 0.0), offsets.get(LEAKAGE, 0.0)
+        decay, smeared = self.decay_rate + offsets.get(WINDOW, 0.0), self.smeared + offsets.get(LEAKAGE, 0.0)
         plain, changes = self._on_axis(matrices, tangents, offsets, f, decay, derivatives=derivatives)
-        if LEAKAGE not in self._asked:
+        if LEAKAGE not in self._asked and not (self.smeared and self._is_coarse):
             return plain, changes
         # The transform of h(t) r(t), r what a Hann window correlates with itself: A over the transform of r, on an axis
         # s + sigma on which A is smooth over the distance of lines however light its damping
@@ -367,9 +369,9 @@ class ResponseFunctionTest:
         """Ids of the effects that want a parameter which the test has not by itself."""
         families = (*points.RESPONSES, *points.DRIVES, "accelerometer-delay", "force-delay", WINDOW, LEAKAGE, TRANSDUCER)
         found = points.asked(self.effects, families)
-        return tuple(one for one in found if one != LEAKAGE or self._is_coarse)
+        return tuple(one for one in found if one != LEAKAGE or (self._is_coarse and not self.smeared))
 
-    @property
+    @cached_property
     def _is_coarse(self) -> bool:
         """Whether the lines lie too far apart for some mode of the model: nothing else can leak."""
         m, lines = self.structure.nominal, self.measured.frequency
@@ -537,6 +539,7 @@ def of(structure: Nuisances, data: ResponseFunctions, tolerances: Tolerances = p
         force_gain=data.force_gain,
         tolerances=tolerances,
         decay_rate=data.decay_rate,
+        smeared=data.smeared,
         remarks=(*data.warnings, prediction_effects.ASSUMED) if structure.assumed else data.warnings,
         coherence=None
         if data.coherence is None
