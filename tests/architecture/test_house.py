@@ -14,7 +14,7 @@ from tools.drawing import FLOORS, leads, upwards
 from tools.pages import quoted
 
 BARS = {
-    "product files": 329,
+    "product files": 330,
     "product lines": 103_282,
     "modules over 800 lines": 0,
     "import circles": 0,

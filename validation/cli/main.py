@@ -105,8 +105,9 @@ COMMANDS = {
 MODULES = {
     "crosscheck": ("model", "compare", "diagnose", "correct", "add", "ladder", "report", "undo", "app", "effects", "league"),
     "reference": ("reference", "validate", "weigh", "cog", "pendulum"),
-    "predict": ("verify", "swing", "modes", "dynamic-mass", "excite", "simulate", "doctor"),
+    "predict": ("verify", "swing", "modes", "dynamic-mass", "excite", "simulate"),
     "identify": ("pretest", "check", "identify", "laboratory"),
+    "doctor": ("doctor",),
 }
 """The modules of `validation.cli` by the commands that they hold, each as the function ``NAME_command``."""
 
