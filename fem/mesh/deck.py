@@ -174,8 +174,7 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
             table["section"] = f"{{ {', '.join(keys)} }}"
         tables.append((f"parts.{toml_file.string(deck.mesh.called.get(name, name))}", table))
     carriers = {**{one.follower: name for name, one in deck.means.items()}, **deck.carriers}
-    in_use = deck.numbers(1, 2, 3)
-    points = dict(zip(deck.mesh.node_tags.tolist(), deck.mesh.points, strict=True))
+    in_use, points = deck.numbers(1, 2, 3), deck.points
 
     def at(node: int) -> str:
         return toml_file.string(carriers[node]) if node in carriers else str(node)
@@ -226,7 +225,7 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
         table |= {} if spring.about is None else {"about": metres(spring.about.tolist(), 12)}
         tables.append((f"springs.{toml_file.string(name)}", table | {"stiffness": six}))
     support = "ground" if interface or grounded else "free"
-    stated = [card for card in deck.carried if not any(one.lstrip("*").startswith(f"{card} ") for one in deck.lost)]
+    stated = [card for card in deck.carried if not any(one.lstrip("*").startswith((f"{card} ", f"{card}:")) for one in deck.lost)]
     lines = [
         f"# The structure of {path.name}, read by `massline model`. Units of its coordinates: {system.name}; all else is in SI.",
         *(f"# NOT CARRIED OVER: {one}" for one in deck.lost),

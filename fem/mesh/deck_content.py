@@ -202,7 +202,9 @@ class Deck:
         there = set(self.mesh.node_tags.tolist())
         self._hold_along_the_axes_of_the_model()
         self._lose_what_is_made_of_nothing()
-        nodes = {name: {node} for name, (node, *_) in (*self.masses.items(), *self.links.items())}
+        nodes = {name: {node} for name, (node, _) in self.masses.items()}
+        ridden = {name: numbers_of(self.mesh, own) for name, (_, own) in self.links.items()}
+        nodes |= {name: {self.links[name][0], *own} if own else set() for name, own in ridden.items()}
         nodes |= {name: {one.follower, *one.shares} for name, one in self.means.items()}
         nodes |= {name: set(one.ends) for name, one in self.springs.items()}
         nodes |= {name: {node for one in sums for _, node, _ in one} for name, sums in self.equations.items()}
@@ -576,8 +578,7 @@ _IDLE = re.compile(
 def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
     deck, fixed = Deck(mesh=mesh), dict[str, list[Row]]()
     whole = "\n".join(line.text for line in deck_lines(path))
-    point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
-    deck.axes = {node: axes for node in point if (axes := where.freedoms(node)) is not None}
+    deck.axes = {node: axes for node in deck.points if (axes := where.freedoms(node)) is not None}
     springs, laws, bars = list[list[str]](), dict[str, list[str]](), list[tuple[str, list[str]]]()
     shells, together, thick = dict[str, list[str]](), dict[str, list[str]](), dict[str, None]()
     several = dict[str, list[Row]]()
@@ -618,9 +619,9 @@ def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
             xx, yx, yy, zx, zy, zz = (real(f[k]) for k in range(8, 14))
             inertia, aside = np.array([[xx, -yx, -zx], [-yx, yy, -zy], [-zx, -zy, zz]]), np.array([real(text) for text in f[4:7]])
             if number == "-1":  # where its centre of gravity is, in basic coordinates
-                aside = aside - point.get(node, aside)
-            elif node in point:
-                turned = where.system(number).directions(point[node])
+                aside = aside - deck.points.get(node, aside)
+            elif node in deck.points:
+                turned = where.system(number).directions(deck.points[node])
                 inertia, aside = turned.T @ inertia @ turned, aside @ turned
             deck.masses[name] = node, Rider(mass=real(f[3]), cog=aside, moments=inertia)
             deck.carried[card] = None
@@ -724,7 +725,7 @@ def _spring(deck: Deck, card: str, f: Sequence[str], laws: Mapping[str, Sequence
             return
         six = np.array([real(text) for text in law[at + 1 : at + 7]])
         line = points[ends[-1]] - points[ends[0]]
-        to = points[int(f[4])] - points[ends[0]] if f[4].isdigit() and not f[5] and int(f[4]) in points else None
+        to = points[int(f[4])] - points[ends[0]] if f[4].isdigit() and not f[5] else None
         if to is None and any(f[4:7]):
             to = np.array([real(text) for text in f[4:7]]) @ deck.axes.get(ends[0], np.eye(3))
         axes = None

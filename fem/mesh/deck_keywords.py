@@ -13,7 +13,7 @@ from fem.mesh.constraints import FACES, Sum, areas, following, tied
 from fem.mesh.deck_content import TRANSLATIONS, Deck, DeckSpring, Elastic, Mean, Property, Rider, Row, called, numbers_of
 from fem.mesh.deck_text import System, deck_lines, keyword_of, real
 from fem.mesh.files import MeshFile
-from geometry.frames import Array, Integers
+from geometry.frames import Integers
 
 FIBRES = {"LAMINA": range(6), "ENGINEERING CONSTANTS": (0, 1, 3, 6, 7, 8)}
 """Where moduli along and across fibres, Poisson's ratio and shear moduli 12, 13 and 23 stand, by the type of elasticity."""
@@ -41,7 +41,6 @@ def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]
 def read_keywords(path: Path, mesh: MeshFile) -> Deck:
     deck, material, open_step = Deck(mesh=mesh), "", False
     elastic, dense, losses = dict[str, list[str]](), dict[str, float](), dict[str, float]()
-    point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
     loose, fibres, oriented = dict[str, list[tuple[str, list[int]]]](), dict[str, list[float]](), dict[str, str]()
     coupling, surfaces = dict[str, str](), dict[str, Surface]()
     joining = list[tuple[str, dict[str, str], list[list[str]]]]()
@@ -106,7 +105,7 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
                 deck.masses[f"{keyword} {options['ELSET']} {tag}"] = node, Rider(mass=real(first[0]))
             deck.carried[keyword] = None
         elif keyword == "SPRING":
-            _abaqus_spring(deck, name, loose.get(o["ELSET"], []), rows, point, "ORIENTATION" in o)
+            _abaqus_spring(deck, name, loose.get(o["ELSET"], []), rows, "ORIENTATION" in o)
         elif keyword == "RIGID BODY":
             riders = called(mesh, options.get("NSET", options.get("ELSET", options.get("TIE NSET", ""))))
             carrier = o.get("REF NODE", o.get("REFNODE", ""))
@@ -124,7 +123,8 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
             a, b = np.array([real(text) for text in [*first, *6 * [""]][:6]]).reshape(2, 3)
             z, to = (b - a, np.eye(3)[np.argmin(np.abs(b - a))]) if kind == "C" else (np.cross(a, b), a)
             turned = System.spanned(kind, a, z, to)
-            deck.axes |= {node: turned.directions(point[node]) for node in numbers_of(mesh, [options["NSET"]]) if node in point}
+            own = deck.points.keys() & numbers_of(mesh, [options["NSET"]])
+            deck.axes |= {node: turned.directions(deck.points[node]) for node in own}
         elif keyword == "SURFACE":
             surfaces[o["NAME"]] = Surface(mesh=mesh, rows=rows, nodes=o.get("TYPE", "ELEMENT") == "NODE")
         elif keyword == "COUPLING":
@@ -159,14 +159,12 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
     return deck
 
 
-def _abaqus_spring(
-    deck: Deck, name: str, elements: Sequence[tuple[str, list[int]]], rows: Sequence[Row], at: Mapping[int, Array], turned: bool
-) -> None:
+def _abaqus_spring(deck: Deck, name: str, elements: Sequence[tuple[str, list[int]]], rows: Sequence[Row], turned: bool) -> None:
     """Grounded in one freedom, between two nodes in the same one, or from one to the other."""
     for kind, (tag, *ends) in elements:
         own, axes = f"{name.lstrip('*')} {tag}", None
         if kind == "SPRINGA":
-            line = at[ends[1]] - at[ends[0]]
+            line = deck.points[ends[1]] - deck.points[ends[0]]
             along, law = [1] if np.any(line) else [], [row for row in rows if any(row)]
             if along:
                 axes = System.spanned("R", line, np.cross(line, np.eye(3)[np.argmin(np.abs(line))]), line).axes
@@ -219,7 +217,7 @@ class Surface:
 
     def _elements(self, who: str) -> dict[str, Integers]:
         if not who.isdigit():
-            return dict(self.mesh.groups.get(called(self.mesh, who), {}))
+            return dict(self.mesh.groups[called(self.mesh, who)])
         every = {kind: np.flatnonzero(cells.tags == int(who)) for kind, cells in self.mesh.cells.items()}
         return {kind: index for kind, index in every.items() if len(index)}
 
@@ -237,6 +235,10 @@ class Surface:
         return found
 
 
+UNREAD = ("INFLUENCE RADIUS", "WEIGHTING METHOD", "CYCLIC SYMMETRY")
+"""Options by which other nodes, or others by other weights, are joined, but for weights that are uniform."""
+
+
 def _join(deck: Deck, keyword: str, o: Mapping[str, str], rows: Sequence[Row], surfaces: Mapping[str, Surface]) -> None:
     """Carry over, or lose in words, what one keyword joins."""
     own = o.get("CONSTRAINT NAME", o.get("NAME", o.get("SURFACE", "")))
@@ -244,6 +246,8 @@ def _join(deck: Deck, keyword: str, o: Mapping[str, str], rows: Sequence[Row], s
     name = f"{word} {own or 1 + sum(each.startswith(word) for each in (*deck.equations, *deck.links, *deck.means))}"
     lost = len(deck.lost)
     try:
+        if asked := [f"{key}={o[key]}".rstrip("=") for key in UNREAD if o.get(key, "UNIFORM") != "UNIFORM"]:
+            raise ValueError(f"{', '.join(asked)} is not known here")
         if keyword == "EQUATION":
             deck.equate(keyword, keyword, list(_equations(deck, rows)))
         elif keyword == "MPC":
@@ -256,7 +260,9 @@ def _join(deck: Deck, keyword: str, o: Mapping[str, str], rows: Sequence[Row], s
             _couple(deck, keyword, name, o, rows, surfaces)
     except (KeyError, IndexError, ValueError) as error:
         del deck.lost[lost:]
-        problem = str(error) if type(error) is ValueError else f"{error} of it is not here"
+        problem = f"{error} of it is not here" if isinstance(error, KeyError) else str(error)
+        if isinstance(error, IndexError) or "literal" in problem:  # of Python's
+            problem = "a row of it cannot be read"
         deck.lose(f"*{name}", f"{problem}, and {len(rows)} row{'s' * (len(rows) > 1)} of it with that")
 
 
@@ -270,9 +276,9 @@ def _equations(deck: Deck, rows: Sequence[Row]) -> Iterator[Sum]:
     for first in left:
         words, count = list[str](), int(first[0])
         while len(words) < 3 * count:
-            words += [word for word in next(left, []) if word]
-            if not words:
+            if (row := next(left, None)) is None:
                 raise ValueError("an equation ends before its last term")
+            words += [word for word in row if word]
         nodes = [_several(deck, words[k]) for k in range(0, 3 * count, 3)]
         ways, factors = ([int(word) - 1 for word in words[1::3]], [real(word) for word in words[2::3]])
         if not all(0 <= way < 6 for way in ways):

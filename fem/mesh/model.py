@@ -38,8 +38,8 @@ COINCIDENT = 1e-6
 RIGID = 1e-5
 """[1] Share of a rigid motion by which equations may break it: coefficients of a deck have six digits. By definition."""
 
-MOST_LEVELS = 1000
-"""Of nodes that follow nodes that follow others."""
+MOST_DOUBLINGS = 30
+"""Of how many nodes follow each other one by one: twice as many are followed each time."""
 
 LEVEL = 1e-9
 """[share of a structure's size] Height of nodes over the plane of a link below which they are in it: rounding. By definition."""
@@ -385,17 +385,20 @@ def _numbered(
     for carrier, one in enumerate(carriers, start=own):
         directions, moved = found.links[one.link].directions, np.zeros(6)
         for rider in one.riders.tolist():
-            ways = np.array([way for way in directions if way < count[rider]])
+            ways = np.array([way for way in directions if way < count[rider]], dtype=np.intp)
             ridden = first[rider] + ways
             if not keep[ridden].all():
                 problem = f"node {tags[rider]} rides on another link already"
                 raise found.refused(f"links.{one.link}", problem, "Let a node ride on one link only")
             keep[ridden] = False
             T = rigid_transformation_6(points[rider] - points[carrier])[ways]
-            moved = np.maximum(moved, np.abs(T).max(axis=0))
+            moved = np.maximum(moved, np.abs(T).max(axis=0, initial=0.0))
             rows.append(np.repeat(ridden, 6))
             columns.append(np.tile(first[carrier] + SIX, len(ways)))
             values.append(T.ravel())
+        if len(one.riders) and not moved.any():
+            problem = "none of its nodes moves in these directions: solids and rods do not turn"
+            raise found.refused(f"links.{one.link}.directions", problem, "Name x, y or z as well")
         if len(directions) < len(SIX):  # what moves nothing that rides is held
             keep[first[carrier] + SIX[moved <= LEVEL * np.ptp(points, axis=0).max()]] = False
         if one.part:
@@ -446,12 +449,11 @@ def _numbered(
     if not keep.all():
         plain = np.flatnonzero(keep)
         leads = riding + matrix(following, size) + turned.matrix(size)
-        carried = step = coo_array((np.ones(len(plain)), (plain, own_dofs[plain])), shape=(size, len(plain))).tocsr()
-        for _ in range(MOST_LEVELS):
-            step = leads @ step
-            if not step.nnz:
+        carried = coo_array((np.ones(len(plain)), (plain, own_dofs[plain])), shape=(size, len(plain))).tocsr()
+        for _ in range(MOST_DOUBLINGS):
+            if not leads.nnz:
                 break
-            carried = carried + step
+            carried, leads = carried + leads @ carried, leads @ leads
         else:
             raise found.refused("equations", "nodes follow each other in a circle", "Let one of them follow none")
     made = Elements(

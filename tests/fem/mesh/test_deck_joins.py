@@ -511,6 +511,21 @@ def test_points_are_joined_as_abaqus_joins_them(kind: str, ways: str, tmp_path: 
         ("*MPC\nSLIDER, 1060, 30, 31\n", "*MPC 1: MPC of type SLIDER are not known here, and 1 row of it with that"),
         ("*EQUATION\n2\n1060, 11, 1., 30, 1, -1.\n", "*EQUATION 1: a freedom that is none of motion, and 2 rows of it"),
         (f"{HUB}*KINEMATIC\n1, 3\n".replace("REF NODE=9000, ", ""), "*COUPLING HUB: it has no reference node"),
+        ("*EQUATION\n3\n1060, 1, 1., 30, 1, -1.\n", "*EQUATION 1: an equation ends before its last term, and 2 rows of it"),
+        ("*EQUATION\n2.5\n1060, 1, 1., 30, 1, -1.\n", "*EQUATION 1: a row of it cannot be read, and 2 rows of it with that"),
+        ("*TIE, NAME=GLUE, CYCLIC SYMMETRY\nBEGIN, END\n", "*TIE GLUE: CYCLIC SYMMETRY is not known here, and 1 row"),
+        (
+            f"{HUB}*DISTRIBUTING, WEIGHTING METHOD=QUADRATIC\n1, 6\n",
+            "*COUPLING HUB: WEIGHTING METHOD=QUADRATIC is not known here, and 1 row of it with that",
+        ),
+        (
+            f"{HUB}*DISTRIBUTING\n1, 6\n".replace("REF NODE=9000, ", "REF NODE=9000, INFLUENCE RADIUS=1., "),
+            "*COUPLING HUB: INFLUENCE RADIUS=1. is not known here",
+        ),
+        (
+            f"{HUB}*KINEMATIC\n1, 6\n*SURFACE, NAME=BOTH, COMBINE=UNION\nBEGIN, END\n".replace("SURFACE=TIP", "SURFACE=BOTH"),
+            "*COUPLING HUB: 'BEGIN' of it is not here, and 1 row of it with that",
+        ),
         ("*TIE, NAME=GLUE, POSITION TOLERANCE=.1\nBEGIN, NEAR\n*SURFACE, NAME=NEAR\n9, S4\n", "surfaces of TIE GLUE: 1"),
     ],
 )
@@ -518,6 +533,47 @@ def test_what_cannot_be_joined_is_said_with_its_count(joins: str, words: str, tm
     (tmp_path / "deck.inp").write_text(blocks(joins))
     lost = deck.described(tmp_path / "deck.inp", "mm-t-N-s")[1]
     assert any(one.startswith(words) for one in lost), lost
+
+
+@pytest.mark.parametrize(
+    ("cards", "lost"),
+    [
+        ("RBE2,6,21,123456,3\nRBE2,7,21,123456,11,9999", "RBE2 7: it stands at a node that is not there"),
+        ("RBE2,6,3,123456,11\nMPC,1,13,1,1.,777,1,-1.", "MPC: it stands at a node that is not there"),
+    ],
+)
+def test_a_deck_that_joins_nodes_that_are_not_there_is_refused_by_its_cards(cards: str, lost: str, tmp_path: Path) -> None:
+    """The first was a traceback; the second was said, and its equations were left out of a model that was read."""
+    (tmp_path / "deck.bdf").write_text(f"{BOTH}{grids(21)}{cards}\nENDDATA\n")
+    text, said = deck.described(tmp_path / "deck.bdf", "mm-t-N-s")
+    assert lost in said
+    (tmp_path / "deck.toml").write_text(text)
+    with pytest.raises(BadInput, match=f"{lost[:3]}.* is not read, and what it weighs, holds or joins would be lost"):
+        reading.read(tmp_path / "deck.toml")
+
+
+def test_a_second_rigid_body_without_nodes_is_said_to_be_lost(tmp_path: Path) -> None:
+    body = "*RIGID BODY, NSET={}, REF NODE=9000\n"
+    (tmp_path / "deck.inp").write_text(blocks(f"{TIED}{body.format('TIP')}{body.format('NOBODY')}"))
+    assert deck.described(tmp_path / "deck.inp", "mm-t-N-s")[1] == ("RIGID BODY NOBODY: it stands at a node that is not there",)
+
+
+def test_a_link_that_only_turns_what_does_not_turn_is_refused(tmp_path: Path) -> None:
+    """It was a traceback."""
+    with pytest.raises(BadInput, match=r"links.COUPLING HUB.directions`: none of its nodes moves in these directions"):
+        held(tmp_path, blocks(f"{HUB}*KINEMATIC\n4, 6\n"), "deck.inp")
+
+
+def test_any_number_of_nodes_may_follow_each_other(tmp_path: Path) -> None:
+    """More than a thousand, one by one, were said to go in a circle: masses on a line that all move as its last one does."""
+    last = 1200
+    points = "".join(f"GRID,{1000 + k},,120.,0.,0.\n" for k in range(1, last + 1))
+    chain = "".join(f"MPC,1,{1000 + k},{way},1.,{1001 + k},{way},-1.\n" for k in range(1, last) for way in (1, 2, 3))
+    end = "".join(f"MPC,1,{1000 + last},{way},1.,3,{way},-1.\n" for way in (1, 2, 3))
+    one = f"{STEEL}{grids(1, 2, 3)}{bars(1)}SPC1,1,123456,1\n"
+    found = of(held(tmp_path, f"{one}{points}{chain}{end}CONM2,9,1001,,1.-3\nENDDATA\n")[0])
+    alone = of(held(tmp_path, f"{one}CONM2,9,3,,1.-3\nENDDATA\n", "alone.bdf")[0])
+    np.testing.assert_allclose(found, alone, rtol=1e-9)
 
 
 def test_equations_that_hold_a_free_structure_are_refused(tmp_path: Path) -> None:
