@@ -219,7 +219,7 @@ def _require_alive(force: Array, responses: Array, source: str) -> None:
 def clipped(channel: Array) -> bool:
     """Whether a channel (n,) stays at its largest or least value for `CLIPPED` samples in a row, or comes there, and no further,
     from `RETURNS` different values, none of them within rounding of it."""
-    resolution = float(np.diff(np.unique(channel)).min())
+    resolution = float(np.diff(np.unique(channel)).min(initial=np.inf))
     for end in (channel.max(), channel.min()):
         at = np.abs(channel - end) <= 1e-9 * np.ptp(channel)
         before = channel[:-1][at[1:] & ~at[:-1]]

@@ -679,6 +679,15 @@ def test_a_record_without_a_hit_and_a_clipped_channel_are_refused() -> None:
         assert [one.fault for one in found] == [said] * 4
 
 
+def test_a_blow_at_which_a_channel_is_silent_is_left_out() -> None:
+    """A cable that is loose for one blow; it was a traceback."""
+    force, x = blows_of(0.01)
+    x = np.array(x)
+    x[4 * RATE : 8 * RATE] = 0.0
+    found = response_estimates.blows(force, x[:, None], RATE, block=3.8)
+    assert [bool(one.fault) for one in found] == [False, True, False, False]
+
+
 def test_records_in_files_become_functions_with_their_coherence(tmp_path: Path) -> None:
     rng = np.random.default_rng(4)
     force = rng.standard_normal(RATE * 40)
