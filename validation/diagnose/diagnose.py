@@ -90,7 +90,7 @@ Progress = Callable[[str, float], None]
 
 
 def diagnosed(
-    of: Study, *, only: Sequence[str] = (), leave_out: Sequence[str] = (), progress: Progress | None = None
+    of: Study, *, only: Sequence[str] = (), leave_out: Sequence[str] = (), progress: Progress | None = None, swung: bool = False
 ) -> diagnosis.Diagnosis:
     """What the model of a study is missing.
 
@@ -98,6 +98,7 @@ def diagnosed(
     ----------
     only : families or ids that are looked for beside mistakes; all where nothing is said
     leave_out : families or ids that are not, mistakes among them
+    swung : whether resonators were asked for already, by modes that are left out of these data
 
     Raises
     ------
@@ -115,7 +116,7 @@ def diagnosed(
     linear = [one for one in only if FAMILIES[one.partition(":")[0]].side != effect.AMPLITUDE]
     # Refuses what could not act, before any fit
     rest, odd, price = without_strangers(of, right.model.effects)
-    menu = candidates.candidates(right, only=linear, leave_out=leave_out, swinging=True) if linear else ()
+    menu = candidates.candidates(right, only=linear, leave_out=leave_out, swinging=bool(odd) or swung) if linear else ()
     if not any(map(candidates.has_lines, (*right.made, *right.tests))):  # no straight line leads to a resonator
         menu = tuple(one for one in menu if not candidates.is_resonator(one.named))
     least = -price
@@ -162,7 +163,7 @@ def diagnosed(
     if odd and whole.after.fitted.log_evidence < least:  # else nothing that the others say could be worth it
         tell(f"leaving out {' and '.join(odd)}", 0.0)
         with suppress(BadInput, CheckFailed):
-            told = diagnosed(rest, only=only, leave_out=leave_out, progress=progress)
+            told = diagnosed(rest, only=only, leave_out=leave_out, progress=progress, swung=True)
             brings = max(told.after.fitted.log_evidence - price, least if least > -price else -inf)
             if told.verdict != diagnosis.UNKNOWN and brings > whole.after.fitted.log_evidence:
                 return replace(told, remarks=(STRANGE.format(" and ".join(odd)), *told.remarks))
@@ -208,10 +209,8 @@ def swinging(study: Study, base: diagnosis.Candidate, hertz: float, wanted: Call
         except BREAKDOWNS:
             return inf
 
-    menu, found = (
-        [one for one in candidates.candidates(study, swinging=True) if one.named.family == "absorber" and wanted(one.named)],
-        [],
-    )
+    found = list[CandidateFit]()
+    menu = [one for one in candidates.candidates(study, swinging=True) if one.named.family == "absorber" and wanted(one.named)]
     for one in sorted(menu, key=apart)[: search.FEW]:
         rough = []
         for mass in SWINGING:

@@ -27,7 +27,7 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers
 from geometry.sensors import Point, Tolerances
-from identification.modal_table import SOUND_SHAPE, ModalTable, mac, paired
+from identification.modal_table import HEAVY, SOUND_SHAPE, ModalTable, mac, paired
 from validation.effects.catalogue import FAMILIES, There
 from validation.effects.effect import CHANNEL_STAGE, STRUCTURE_STAGE
 from validation.effects.stages import ChannelResponse, Matrices
@@ -228,32 +228,6 @@ ALIKE = 0.8
 the 0.9 of shapes that are called one and what a fault leaves of those that it changes."""
 
 
-def strangers(modes: RealModes, table: ModalTable, effects: Sequence[Added] = ()) -> tuple[int, ...]:
-    """Which modes of `table`, from 0, stand in the way of all others, that are like modes of the model of their own without them:
-    of a machine, of the mains, or of a part that the model has not. None where shapes do not say so, or half or more would be.
-    """
-    if table.shapes is None:
-        return ()
-    finite = np.flatnonzero(np.isfinite(modes.frequency))
-    like = np.zeros((len(table.frequency), len(modes.frequency)))
-    like[:, finite] = mac(table.shapes, read_by(modes, finite, table, effects))
-    kept = list(range(len(table.frequency)))
-
-    def pairs(of: Sequence[int]) -> Array:
-        try:
-            return like[of, list(partners(modes, table.of_modes(of), effects))]
-        except ValueError:
-            return np.zeros(len(of))
-
-    if pairs(kept).min() >= STRANGE:
-        return ()
-    while 2 * (len(kept) - 1) > len(table.frequency):
-        kept = max(([k for k in kept if k != one] for one in kept), key=lambda of: pairs(of).sum())
-        if pairs(kept).min() >= ALIKE:
-            return tuple(k for k in range(len(table.frequency)) if k not in kept)
-    return ()
-
-
 def since_before(modes: RealModes, table: ModalTable) -> ModalTable:
     """`table` as it would be of an article that had the frequencies of the model before, mode by mode: only what has changed
     since is left.
@@ -361,15 +335,34 @@ class _TablePart(ABC):
 
     @property
     def strangers(self) -> tuple[str, ...]:
-        """Names of the modes that stand in the way of the pairs with the model before any fit, see `strangers`."""
-        return tuple(self.table.names[k] for k in strangers(self.found({}, derivatives=False)[0], self.table, self.effects))
+        """Names of the modes that stand in the way of all others, which are like modes of the model before any fit without them: of
+        a machine, of the mains, or of a part that the model has not. None where shapes do not say so, or half or more would be.
+        """
+        if self.table.shapes is None:
+            return ()
+        modes, kept = self.found({}, derivatives=False)[0], list(range(len(self.table.frequency)))
+        finite = np.flatnonzero(np.isfinite(modes.frequency))
+        like = np.zeros((len(kept), len(modes.frequency)))
+        like[:, finite] = mac(self.table.shapes, read_by(modes, finite, self.table, self.effects))
+
+        def pairs(of: Sequence[int]) -> Array:
+            try:
+                return like[of, list(partners(modes, self.table.of_modes(of), self.effects))]
+            except ValueError:
+                return np.zeros(len(of))
+
+        if pairs(kept).min() >= STRANGE:
+            return ()
+        while 2 * (len(kept) - 1) > len(self.table.frequency):
+            kept = max(([k for k in kept if k != one] for one in kept), key=lambda of: pairs(of).sum())
+            if pairs(kept).min() >= ALIKE:
+                return tuple(name for k, name in enumerate(self.table.names) if k not in kept)
+        return ()
 
     def chance(self, mode: str) -> float:
         """[nats] by which it is less probable that the mode named was read anywhere than where a model has it: the logarithm of
         all that a table may hold, frequencies up to its highest and shapes of either sign, over the deviations.
         """
-        from identification.modal_table import HEAVY
-
         k = self.measured.runs.index(mode)
         sd = self.measured.noise[k, 0] * np.sqrt(2 * np.pi)
         if not self.measured.judged.any():

@@ -3,9 +3,11 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 import tomlkit
 from numpy.typing import ArrayLike
 
+from geometry.errors import BadInput
 from validation.diagnose.diagnose import diagnosed, without_strangers
 from validation.effects.catalogue import parse
 from validation.effects.effect import Vocabulary
@@ -88,6 +90,13 @@ def test_a_mode_of_the_mains_is_left_out_and_nothing_is_missing(tmp_path: Path) 
     found = diagnosed(Study.open(model, [path]), only=("point-mass", "absorber"))
     assert (found.verdict, found.accepted) == ("nothing", ())
     assert found.remarks[0].startswith("mode 3 of the table is left out")
+
+
+def test_resonators_are_refused_where_no_mode_asks_for_one(tmp_path: Path) -> None:
+    """None was tried, and it was said that none explains the data."""
+    model, path = swung(tmp_path, 0.0, 0.0, 1)
+    with pytest.raises(BadInput, match="is no effect that could act on these data and be told by them"):
+        diagnosed(Study.open(model, [path]), only=("absorber",))
 
 
 def test_what_swings_on_a_floor_is_found_there_with_its_mass(tmp_path: Path) -> None:
