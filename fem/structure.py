@@ -178,7 +178,10 @@ def place_rows(
     from scipy.sparse import csr_array
 
     if structure.elements is not None:
-        return list(structure.elements.rows(points))
+        try:
+            return list(structure.elements.rows(points))
+        except BadInput as error:  # says nothing of who asked
+            raise BadInput(source=source, field=field, problem=error.problem, remedy=error.remedy) from None
     if not len(structure.points):
         known = ", ".join(list(structure.places)[:20]) or "its nodes or degrees of freedom"
         problem = "has no known motion: the structure has no coordinates"

@@ -261,8 +261,7 @@ def _join(deck: Deck, keyword: str, o: Mapping[str, str], rows: Sequence[Row], s
     except (KeyError, IndexError, ValueError) as error:
         del deck.lost[lost:]
         problem = f"{error} of it is not here" if isinstance(error, KeyError) else str(error)
-        if isinstance(error, IndexError) or "literal" in problem:  # of Python's
-            problem = "a row of it cannot be read"
+        problem = "a row of it cannot be read" if isinstance(error, IndexError) or "literal" in problem else problem
         deck.lose(f"*{name}", f"{problem}, and {len(rows)} row{'s' * (len(rows) > 1)} of it with that")
 
 

@@ -335,8 +335,8 @@ class _TablePart(ABC):
 
     @property
     def strangers(self) -> tuple[str, ...]:
-        """Names of the modes that stand in the way of all others, which are like modes of the model before any fit without them: of
-        a machine, of the mains, or of a part that the model has not. None where shapes do not say so, or half or more would be.
+        """Names of the modes that stand in the way of all others, which are like modes of the model without them, before any fit:
+        of a machine, of the mains, or of a part that the model has not. None where shapes do not say so, or half or more would be.
         """
         if self.table.shapes is None:
             return ()

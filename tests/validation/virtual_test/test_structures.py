@@ -153,7 +153,8 @@ def test_a_test_is_driven_and_read_at_coordinates_of_a_planar_frame_too(moves: s
     assert json.loads(out)["nominal_error_percent"] < 1e-3
     table = Path("made/test.toml")
     table.write_text(table.read_text().replace("@0,0,0.6:x", "@0,0,6:x"))
-    assert "lies 5200 mm outside the mesh" in refused("compare", "mast.toml", "made")
+    said = refused("compare", "mast.toml", "made")
+    assert "made/test.toml: `@0,0,6`: lies 5200 mm outside the mesh" in said
 
 
 def test_a_table_has_no_mode_that_moves_no_sensor_and_one_that_has_is_compared_all_the_same(run: Any) -> None:
