@@ -290,14 +290,13 @@ def _multi_point(deck: Deck, name: str, kind: str, ends: Sequence[list[int]]) ->
     """The first node, or each of a set, follows the second."""
     if kind not in ("BEAM", "TIE", "PIN", "LINK") or len(ends) != 2:
         raise ValueError(f"MPC of type {kind} are not known here")
-    points = deck.points
     for k, one in enumerate(ends[0]):
         other = ends[1][k if len(ends[1]) > 1 else 0]
         if kind == "BEAM":
             six = {(other, way): 1.0 for way in range(6)}
-            deck.equate("MPC", name, following(points, [(one, way) for way in range(6)], six, {}))
+            deck.equate("MPC", name, following(deck.points, [(one, way) for way in range(6)], six, {}))
         elif kind == "LINK":
-            line = (points[one] - points[other]).tolist()
+            line = (deck.points[one] - deck.points[other]).tolist()
             terms = [(sign * share, node, way) for sign, node in ((1, one), (-1, other)) for way, share in enumerate(line)]
             deck.equate("MPC", name, [tuple(sorted(terms, key=lambda term: (term[1] != one, -abs(term[0]))))])
         else:

@@ -174,8 +174,7 @@ def diagnosed(
 
 
 def without_strangers(of: Study, effects: Sequence[Added]) -> tuple[Study, Mapping[str, float], float]:
-    """`of` without those modes of its tables that stand in the way of all others beside a model with `effects`, their frequencies
-    [Hz], and how dear that is [nats]."""
+    """`of` without modes that are strangers to a model with `effects`, their frequencies [Hz], and what it costs [nats]."""
     tables = [one for one in of.tests if isinstance(one, TableFrequencies | TableShapes)]
     odd = {id(one.table): one.with_effects(effects).strangers for one in tables}
     left = {id(one): one.without(odd[id(one.table)]) for one in tables}

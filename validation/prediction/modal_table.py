@@ -336,7 +336,7 @@ class _TablePart(ABC):
     @property
     def strangers(self) -> tuple[str, ...]:
         """Names of the modes that stand in the way of all others, which are like modes of the model without them, before any fit:
-        of a machine, of the mains, or of a part that the model has not. None where shapes do not say so, or half or more would be.
+        of a machine, the mains, or a part that the model has not. None where shapes do not say so, or half or more would be.
         """
         if self.table.shapes is None:
             return ()
