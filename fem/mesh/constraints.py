@@ -180,32 +180,30 @@ def eliminated(
     It is that of its first term unless this follows others already, is `held` (m,), or is to be `kept` (m,); then that of the
     largest coefficient. One that says nothing new is passed over. `riding` (m, m) are those that ride on links.
     """
-    found: dict[int, dict[int, float]] = {}
+    found, rank = dict[int, dict[int, float]](), dict[int, int]()
     rides = np.diff(riding.indptr) > 0
 
-    def leading(dof: int) -> Iterator[tuple[int, float]] | None:
+    def leading(dof: int) -> Iterator[tuple[int, float]]:
         if dof in found:
             return iter(found[dof].items())
-        if rides[dof]:
-            some = slice(riding.indptr[dof], riding.indptr[dof + 1])
-            return zip(riding.indices[some].tolist(), riding.data[some].tolist(), strict=True)
-        return None
+        some = slice(riding.indptr[dof], riding.indptr[dof + 1])
+        return zip(riding.indices[some].tolist(), riding.data[some].tolist(), strict=True)
 
     for terms in sums:
-        free, todo = defaultdict[int, float](float), [(dof, factor) for factor, dof in terms]
-        while todo:
-            dof, factor = todo.pop()
-            if held[dof]:
-                continue
-            if (others := leading(dof)) is None:
-                free[dof] += factor
-            else:
-                todo += [(other, factor * share) for other, share in others]
+        free, todo, new = defaultdict[int, float](float), defaultdict[int, float](float), [(dof, of) for of, dof in terms]
+        while new or todo:
+            for dof, factor in new:
+                if not held[dof]:
+                    (todo if dof in found or rides[dof] else free)[dof] += factor
+            first = min(todo, key=lambda dof: rank.get(dof, -1), default=-1)  # what follows leads none that followed before it
+            new = [(other, todo[first] * share) for other, share in leading(first)] if todo else []
+            todo.pop(first, None)
         largest = max((abs(factor) for factor, _ in terms), default=0.0)
         able = {dof: factor for dof, factor in free.items() if abs(factor) > NOTHING * largest}
         movable = [dof for dof in able if not kept[dof]]
         if movable:
             follower = terms[0][1] if terms[0][1] in movable else max(movable, key=lambda dof: abs(able[dof]))
+            rank[follower] = len(found)
             found[follower] = {dof: -factor / able[follower] for dof, factor in able.items() if dof != follower}
     return found
 

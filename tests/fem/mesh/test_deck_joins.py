@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.linalg import block_diag, eigh, null_space
+from scipy.sparse import csr_array
 
 from fem.mesh import constraints, deck
 from fem.structure import Structure
@@ -574,6 +575,17 @@ def test_any_number_of_nodes_may_follow_each_other(tmp_path: Path) -> None:
     found = of(held(tmp_path, f"{one}{points}{chain}{end}CONM2,9,1001,,1.-3\nENDDATA\n")[0])
     alone = of(held(tmp_path, f"{one}CONM2,9,3,,1.-3\nENDDATA\n", "alone.bdf")[0])
     np.testing.assert_allclose(found, alone, rtol=1e-9)
+
+
+def test_followers_of_followers_are_followed_once_each() -> None:
+    """Each was followed by every way to it, of which there are as many as Fibonacci's numbers: this one never ended."""
+    count = 120  # on a straight line: each moves as the next two say, and the first and the last are held together
+    sums = [[(1.0, k), (-2.0, k + 1), (1.0, k + 2)] for k in range(count - 2)] + [[(1.0, 0), (-1.0, count - 1)]]
+    none, bare = np.zeros(count, dtype=bool), csr_array((count, count))
+    found = constraints.eliminated(sums, bare, none, none)
+    (free,) = set(range(count)) - found.keys()  # all move as it does
+    moved = np.linalg.inv(np.eye(count) - constraints.matrix(found, count).toarray())[:, free]
+    np.testing.assert_allclose(moved, 1.0, rtol=1e-9)
 
 
 def test_equations_that_hold_a_free_structure_are_refused(tmp_path: Path) -> None:
