@@ -137,7 +137,7 @@ def diagnosed(
             base = diagnosis.Candidate(effects=(), fit=right.all_free(begin=fit), problem=right.problem())
         menu = menu if only else candidates.candidates(right, leave_out=leave_out)
         right, at, steps = stepwise_search(right, base, menu, tell, elsewhere if every else None, fitted)
-        for hertz in odd.values():
+        for _, hertz in odd:
             tried = swinging(right, base, hertz, wanted)
             if tried and is_weighed(tried[0]):
                 begun = replace(steps[0], tried=tried, added=tried[0].id)
@@ -161,26 +161,30 @@ def diagnosed(
         found = replace(found, everywhere=nodes, nodes=every)
     whole = with_mistakes(of, found, mistaken) if mistaken else found
     if odd and whole.after.fitted.log_evidence < least:  # else nothing that the others say could be worth it
-        tell(f"leaving out {' and '.join(odd)}", 0.0)
+        names = " and ".join(name for name, _ in odd)
+        tell(f"leaving out {names}", 0.0)
         with suppress(BadInput, CheckFailed):
             told = diagnosed(rest, only=only, leave_out=leave_out, progress=progress, swung=True)
             brings = max(told.after.fitted.log_evidence - price, least if least > -price else -inf)
             if told.verdict != diagnosis.UNKNOWN and brings > whole.after.fitted.log_evidence:
-                return replace(told, remarks=(STRANGE.format(" and ".join(odd)), *told.remarks))
+                return replace(told, remarks=(STRANGE.format(names), *told.remarks))
     alike = correlations(of.whole().predictions) if of.tests else ()
     said = (*whole.remarks, *(text.rstrip(".") for one in (*of.tests, *alike) for text in one.remarks))
     whole = replace(whole, correlation=alike, remarks=tuple(dict.fromkeys(said)))
     return replace(whole, only=tuple(only), settings={**whole.settings, "only": list(only), "leave_out": list(leave_out)})
 
 
-def without_strangers(of: Study, effects: Sequence[Added]) -> tuple[Study, Mapping[str, float], float]:
-    """`of` without modes that are strangers to a model with `effects`, their frequencies [Hz], and what it costs [nats]."""
+def without_strangers(of: Study, effects: Sequence[Added]) -> tuple[Study, tuple[tuple[str, float], ...], float]:
+    """`of` without those modes of its tables that stand in the way of all others beside a model with `effects`, these modes with
+    their frequencies [Hz], and how dear that is [nats]."""
     tables = [one for one in of.tests if isinstance(one, TableFrequencies | TableShapes)]
-    odd = {id(one.table): one.with_effects(effects).strangers for one in tables}
-    left = {id(one): one.without(odd[id(one.table)]) for one in tables}
-    price = sum(one.chance(name) for one in tables for name in odd[id(one.table)])
-    hertz = {name: float(one.table.frequency[one.table.names.index(name)]) for one in tables for name in odd[id(one.table)]}
-    return replace(of, tests=tuple(left.get(id(one), one) for one in of.tests)), hertz, price + EVIDENCE_THRESHOLD * len(hertz)
+    known = {id(one.table): (one.table, one.with_effects(effects).strangers) for one in tables}
+    left = {id(one): one.without(known[id(one.table)][1]) for one in tables}
+    odd = tuple((name, float(table.frequency[table.names.index(name)])) for table, names in known.values() for name in names)
+    gone = {(one, name) for one in tables for name in known[id(one.table)][1]}
+    held = tuple(name for name in of.hold_out if name not in {f"{one.measured.name}/{mode}" for one, mode in gone})
+    price = sum(one.chance(mode) for one, mode in gone) + EVIDENCE_THRESHOLD * len(odd)
+    return replace(of, tests=tuple(left.get(id(one), one) for one in of.tests), hold_out=held), odd, price
 
 
 def is_weighed(one: CandidateFit) -> bool:
