@@ -70,8 +70,8 @@ def location(pose: Pose) -> Any:
 RELATIVE_CHORD = 1e-4
 """Chord error of the mesh of a solid where none is asked for, relative to the diagonal of the box around it."""
 
-TIME_LIMIT = 600
-"""Seconds after which a file that OCC never finishes counts as corrupt."""
+TIME_LIMIT, SMALL = 600, 60
+"""[s] after which a file that OCC never finishes counts as corrupt: one of a megabyte or more, and one of next to nothing."""
 
 
 class Body(NamedTuple):
@@ -111,6 +111,10 @@ def read(path: Path, chord: float | None = None) -> tuple[Body, ...]:
         raise BadInput(source=source, problem="it is not a STEP file (it does not begin with ISO-10303-21)", remedy=_AGAIN)
     if b"END-ISO-10303-21" not in content[-256:]:
         raise BadInput(source=source, problem="it is cut short (it does not end with END-ISO-10303-21)", remedy=_AGAIN)
+    numbers = re.findall(rb"^\s*#(\d+)\s*=", content, re.MULTILINE)
+    if len(set(numbers)) < len(numbers):  # OCC may never end on it
+        twice = Counter(numbers).most_common(1)[0][0].decode()
+        raise BadInput(source=source, problem=f"two of its entities are #{twice}: the file is corrupt", remedy=_AGAIN)
     try:
         found = _read_apart(path, chord)
     except BadInput:
@@ -182,7 +186,7 @@ def _read_apart(path: Path, chord: float | None) -> list[Body]:
                 faulthandler.disable()
                 for number in (1, 2):
                     os.dup2(os.open(os.devnull, os.O_WRONLY), number)
-                signal.alarm(TIME_LIMIT)
+                signal.alarm(SMALL + round((TIME_LIMIT - SMALL) * min(path.stat().st_size / 2**20, 1.0)))
                 found, shapes = _examined(path, chord), io.BytesIO()
                 Compound.makeCompound([one.solid for one in found]).exportBin(shapes)
                 pickle.dump((shapes.getvalue(), [one._replace(solid=None) for one in found]), passed)

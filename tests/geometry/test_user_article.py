@@ -510,8 +510,12 @@ def write_surface(path: Path) -> Path:
             "it holds no",
         ),
         (lambda p: p.write_text("ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\n#1=BOGUS(", encoding="utf-8"), "it is cut short"),
+        (
+            lambda p: p.write_text("ISO-10303-21;\nDATA;\n#1=A();\n #1 =B(#1);\nENDSEC;\nEND-ISO-10303-21;\n", encoding="utf-8"),
+            "two of its entities are #1",
+        ),
     ],
-    ids=["surface", "text", "binary", "empty", "cut"],
+    ids=["surface", "text", "binary", "empty", "cut", "doubled"],
 )
 def test_a_step_file_without_a_body_is_refused_without_noise(
     tmp_path: Path, make: Callable[[Path], object], problem: str, capfd: pytest.CaptureFixture[str]
