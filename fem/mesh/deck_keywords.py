@@ -126,7 +126,7 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
             own = deck.points.keys() & numbers_of(mesh, [options["NSET"]])
             deck.axes |= {node: turned.directions(deck.points[node]) for node in own}
         elif keyword == "SURFACE":
-            surfaces[o["NAME"]] = Surface(mesh=mesh, rows=rows, nodes=o.get("TYPE", "ELEMENT") == "NODE")
+            surfaces[o["NAME"]] = Surface(deck=deck, rows=rows, nodes=o.get("TYPE", "ELEMENT") == "NODE")
         elif keyword == "COUPLING":
             coupling = options
         elif keyword in ("KINEMATIC", "DISTRIBUTING"):
@@ -184,9 +184,9 @@ def _abaqus_spring(deck: Deck, name: str, elements: Sequence[tuple[str, list[int
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Surface:
-    """A surface of a mesh by the `rows` that state it: sets of elements or elements with a face, or of `nodes`."""
+    """A surface of a deck by the `rows` that state it: sets of elements or elements with a face, or of `nodes`."""
 
-    mesh: MeshFile
+    deck: Deck
     rows: Sequence[Row]
     nodes: bool
 
@@ -195,12 +195,12 @@ class Surface:
         found = dict[frozenset[int], tuple[int, ...]]()
         for who, label, *_ in ([*row, "", ""] for row in self.rows if not self.nodes):
             for kind, index in self._elements(who).items():
-                cells, faces = self.mesh.cells[kind].nodes[index], FACES.get(kind, ())
+                cells, faces = self.deck.mesh.cells[kind].nodes[index], FACES.get(kind, ())
                 if kind in files.SHELLS:
                     faces = self._of_shell(faces[0], label.upper())
                 elif label:
                     faces = (faces[int(label.upper().removeprefix("S")) - 1],)
-                every = [self.mesh.node_tags[cells[:, list(face)]] for face in faces]
+                every = [self.deck.mesh.node_tags[cells[:, list(face)]] for face in faces]
                 if not label and kind not in files.SHELLS:  # those that no other element has
                     keys = [frozenset(row) for each in every for row in each.tolist()]
                     alone = {key for key, count in Counter(keys).items() if count == 1}
@@ -217,8 +217,8 @@ class Surface:
 
     def _elements(self, who: str) -> dict[str, Integers]:
         if not who.isdigit():
-            return dict(self.mesh.groups[called(self.mesh, who)])
-        every = {kind: np.flatnonzero(cells.tags == int(who)) for kind, cells in self.mesh.cells.items()}
+            return dict(self.deck.mesh.groups[called(self.deck.mesh, who)])
+        every = {kind: np.flatnonzero(cells.tags == int(who)) for kind, cells in self.deck.mesh.cells.items()}
         return {kind: index for kind, index in every.items() if len(index)}
 
     def weights(self) -> dict[int, float]:
@@ -226,11 +226,10 @@ class Surface:
         found = dict[int, float]()
         if self.nodes:
             for who, weight, *_ in ([*row, "", ""] for row in self.rows):
-                found |= dict.fromkeys(numbers_of(self.mesh, [int(who) if who.isdigit() else who]), real(weight) or 1.0)
+                found |= dict.fromkeys(_several(self.deck, who), real(weight) or 1.0)
             return found
-        points = dict(zip(self.mesh.node_tags.tolist(), self.mesh.points, strict=True))
         for face in self.faces():
-            for node, area in zip(face, areas(np.array([points[node] for node in face])).tolist(), strict=True):
+            for node, area in zip(face, areas(np.array([self.deck.points[node] for node in face])).tolist(), strict=True):
                 found[node] = found.get(node, 0.0) + area
         return found
 

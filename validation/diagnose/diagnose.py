@@ -114,8 +114,8 @@ def diagnosed(
     if positions := [word for one in only for word in one.split(":") if effect.position(word) is not None]:
         right = right.ready_at(positions)
     linear = [one for one in only if FAMILIES[one.partition(":")[0]].side != effect.AMPLITUDE]
-    # Refuses what could not act, before any fit
     rest, odd, price = without_strangers(of, right.model.effects)
+    # Refuses what could not act, before any fit
     menu = candidates.candidates(right, only=linear, leave_out=leave_out, swinging=bool(odd) or swung) if linear else ()
     if not any(map(candidates.has_lines, (*right.made, *right.tests))):  # no straight line leads to a resonator
         menu = tuple(one for one in menu if not candidates.is_resonator(one.named))
