@@ -70,8 +70,11 @@ def location(pose: Pose) -> Any:
 RELATIVE_CHORD = 1e-4
 """Chord error of the mesh of a solid where none is asked for, relative to the diagonal of the box around it."""
 
-TIME_LIMIT, SMALL = 600, 60
-"""[s] after which a file that OCC never finishes counts as corrupt: one of a megabyte or more, and one of next to nothing."""
+TIME_LIMIT = 600
+"""[s] after which a file of a megabyte or more that OCC never finishes counts as corrupt."""
+
+SMALL = 60
+"""[s] after which one of next to nothing does."""
 
 
 class Body(NamedTuple):

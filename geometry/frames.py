@@ -82,6 +82,27 @@ def left_jacobian(turn: npt.ArrayLike) -> Array:
     return np.asarray(np.eye(3) + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * S + third * S @ S)
 
 
+FLAT = 1e-9
+"""Sine of the angle between two directions below which they span no plane."""
+
+
+def axes_along(line: npt.ArrayLike, beside: npt.ArrayLike | None = None) -> Array:
+    """Rows (3, 3): right-handed axes, the first along `line` (3,), the second in its plane with `beside` (3,) and on that side.
+
+    Without `beside` the plane is that with the coordinate axis which is least along `line`.
+
+    Raises
+    ------
+    ValueError : `line` or `beside` is nothing, or both are along one line.
+    """
+    x = np.asarray(line, dtype=np.float64)
+    y = np.eye(3)[np.argmin(np.abs(x))] if beside is None else np.asarray(beside, dtype=np.float64)
+    z = np.cross(x, y)
+    if not np.linalg.norm(z) > FLAT * np.linalg.norm(x) * np.linalg.norm(y):
+        raise ValueError(f"{x.tolist()} and {y.tolist()} span no axes")
+    return np.array([one / np.linalg.norm(one) for one in (x, np.cross(z, x), z)])
+
+
 def proper_rotation(value: npt.ArrayLike, name: str = "rotation") -> Array:
     """Read-only (3, 3) rotation matrix.
 

@@ -12,10 +12,10 @@ import numpy as np
 from fem.beam.elements import SIZES, plated
 from fem.mesh import constraints, files
 from fem.mesh.constraints import Motion, Sum, Term
-from fem.mesh.deck_text import BASIC, Coordinates, System, deck_lines, real
+from fem.mesh.deck_text import BASIC, Coordinates, deck_lines, real
 from fem.mesh.description import SEAM
 from fem.mesh.files import MeshFile, cards, own_property
-from geometry.frames import Array
+from geometry.frames import Array, axes_along
 
 ALIKE = 1e-6
 """Sine of the angle of two directions, and relative difference of two sections, that are the same to a deck's digits."""
@@ -732,8 +732,7 @@ def _spring(deck: Deck, card: str, f: Sequence[str], laws: Mapping[str, Sequence
         if f[7]:
             axes = where.system(f[7]).directions(points[ends[0]])
         elif line.any():
-            beside = np.eye(3)[np.argmin(np.abs(line))] if to is None else to
-            axes = System.spanned("R", line, np.cross(line, beside), line).axes
+            axes = axes_along(line, to)
         unclear = to is None and line.any() and not f[7] and (six[1] != six[2] or six[4] != six[5])
         if unclear or (not f[7] and not line.any() and (to is not None or deck.axes.keys() & set(ends))):
             deck.lose(name, "which way it is turned is neither stated nor told by its nodes")

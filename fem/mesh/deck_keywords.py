@@ -13,7 +13,7 @@ from fem.mesh.constraints import FACES, Sum, areas, following, tied
 from fem.mesh.deck_content import TRANSLATIONS, Deck, DeckSpring, Elastic, Mean, Property, Rider, Row, called, numbers_of
 from fem.mesh.deck_text import System, deck_lines, keyword_of, real
 from fem.mesh.files import MeshFile
-from geometry.frames import Integers
+from geometry.frames import Integers, axes_along
 
 FIBRES = {"LAMINA": range(6), "ENGINEERING CONSTANTS": (0, 1, 3, 6, 7, 8)}
 """Where moduli along and across fibres, Poisson's ratio and shear moduli 12, 13 and 23 stand, by the type of elasticity."""
@@ -121,8 +121,7 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
             deck.lose(name, "its axes are spherical")
         elif keyword == "TRANSFORM":  # by points of its first axis and of the plane of the first two, or of a cylinder's axis
             a, b = np.array([real(text) for text in [*first, *6 * [""]][:6]]).reshape(2, 3)
-            z, to = (b - a, np.eye(3)[np.argmin(np.abs(b - a))]) if kind == "C" else (np.cross(a, b), a)
-            turned = System.spanned(kind, a, z, to)
+            turned = System.spanned(kind, a, b - a, None) if kind == "C" else System.spanned(kind, a, np.cross(a, b), a)
             own = deck.points.keys() & numbers_of(mesh, [options["NSET"]])
             deck.axes |= {node: turned.directions(deck.points[node]) for node in own}
         elif keyword == "SURFACE":
@@ -167,7 +166,7 @@ def _abaqus_spring(deck: Deck, name: str, elements: Sequence[tuple[str, list[int
             line = deck.points[ends[1]] - deck.points[ends[0]]
             along, law = [1] if np.any(line) else [], [row for row in rows if any(row)]
             if along:
-                axes = System.spanned("R", line, np.cross(line, np.eye(3)[np.argmin(np.abs(line))]), line).axes
+                axes = axes_along(line)
         else:
             along, law = sorted({int(text) for text in rows[0] if text}), [*rows[1:]]
         if len(along) != 1 or len(law) != 1 or turned:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from geometry.errors import BadInput
-from geometry.frames import Array
+from geometry.frames import FLAT, Array, axes_along
 
 
 class Line(NamedTuple):
@@ -332,9 +332,6 @@ BASIC = "0"
 
 CARD = re.compile(r"CORD([12])([RCS])")
 
-FLAT = 1e-9
-"""Sine of the angle between the two directions that span a system, below which they span none."""
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class System:
@@ -352,18 +349,16 @@ class System:
     axes: Array
 
     @classmethod
-    def spanned(cls, kind: str, origin: Array, z: Array, to: Array) -> "System":
-        """With its third axis along `z` (3,), and `to` (3,) in the plane of that and the first.
+    def spanned(cls, kind: str, origin: Array, z: Array, to: Array | None) -> "System":
+        """With its third axis along `z` (3,), and `to` (3,) in the plane of that and the first, as in `axes_along`.
 
         Raises
         ------
         ValueError : both are along one line, or it is of another kind.
         """
-        y = np.cross(z, to)
-        if kind not in ("R", "C", "S") or not np.linalg.norm(y) > FLAT * np.linalg.norm(z) * np.linalg.norm(to):
-            raise ValueError(f"a system {kind} by {z.tolist()} and {to.tolist()}")
-        z, y = z / np.linalg.norm(z), y / np.linalg.norm(y)
-        return cls(kind=kind, origin=origin, axes=np.array([np.cross(y, z), y, z]))
+        if kind not in ("R", "C", "S"):
+            raise ValueError(f"a system {kind}")
+        return cls(kind=kind, origin=origin, axes=axes_along(z, to)[[1, 2, 0]])
 
     def point(self, at: Array) -> Array:
         """Basic coordinates (3,) of what stands `at` (3,) in it."""

@@ -16,7 +16,7 @@ from geometry import toml_file, user_article
 from geometry.article import Material
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
-from geometry.frames import Array
+from geometry.frames import Array, axes_along
 from geometry.inertia import Inertia
 
 KINDS = ("mesh", "assembly")
@@ -459,12 +459,12 @@ class _Table:
         return parts.six_stiffnesses(self.table.get("stiffness"), units.SI, self.source, f"{self.where}.stiffness")
 
     def spring(self) -> Spring:
-        x, y, axes = self.direction("x_axis"), self.direction("y_axis"), None
-        if y is not None and (x is None or not np.linalg.norm(np.cross(x, y)) > SOFT * np.linalg.norm(x) * np.linalg.norm(y)):
-            raise self.wrong("y_axis", "a direction beside that of `x_axis`", "State both, in the plane of the first two axes")
-        if x is not None:
-            third = np.cross(x, np.eye(3)[np.argmin(np.abs(x))] if y is None else y)
-            axes = np.array([one / np.linalg.norm(one) for one in (x, np.cross(third, x), third)])
+        x, y = self.direction("x_axis"), self.direction("y_axis")
+        try:
+            axes = None if x is None and y is None else axes_along(np.zeros(3) if x is None else x, y)
+        except ValueError:
+            beside = "State both, in the plane of the first two axes"
+            raise self.wrong("y_axis", "a direction beside that of `x_axis`", beside) from None
         more: dict[str, Any] = {"axes": axes, "loss_factor": parts.loss_factor(self.table, self.source, self.where)}
         more |= {"about": self.quantities("about", 3 * ("length",))} if "about" in self.table else {}
         if "between" in self.table:

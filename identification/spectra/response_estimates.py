@@ -55,11 +55,17 @@ RINGS = 0.05
 LOUD = 5.0
 """[standard deviations] by which it is above noise there. By definition: of some hundred samples."""
 
-CLIPPED, FLAT = 5, 2
-"""Samples in a row at the end of its range that no channel has; those at the tops of different blows, all at one force."""
+CLIPPED = 5
+"""[samples] in a row at the end of its range that no channel has."""
 
-RETURNS, ROUNDED = 3, 4.0
-"""[count] of times that no signal without limits has one largest value; [steps of its converter] from which it jumps there."""
+FLAT = 2
+"""[samples] in a row at the tops of different blows, all at one force, that a hammer has which is overloaded."""
+
+RETURNS = 3
+"""[count] of times that no signal without limits has one largest value."""
+
+ROUNDED = 4.0
+"""[steps of its converter] from which a signal jumps to its largest value."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 from geometry.frames import (
     Array,
     Pose,
+    axes_along,
     frozen,
     proper_rotation,
     rigid_transformation,
@@ -50,6 +51,23 @@ def test_the_rigid_transformation_is_the_matrix_printed_as_eq_3() -> None:
     x, y, z = 2.0, 3.0, 5.0
     printed = [[1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x], [0, 0, 1, y, -x, 0]]
     assert_allclose(rigid_transformation([x, y, z]), printed, rtol=0)
+
+
+@given(seeds)
+def test_axes_along_a_line_are_a_rotation_with_the_side_in_the_plane_of_the_first_two(seed: int) -> None:
+    line, beside = np.random.default_rng(seed).normal(size=(2, 3))
+    for side in (beside, None):
+        axes = axes_along(line, side)
+        assert_allclose(proper_rotation(axes, "axes"), axes, rtol=0)
+        assert_allclose(axes @ line, [np.linalg.norm(line), 0, 0], **ROUNDING)
+    assert_allclose((axes_along(line, beside) @ beside)[2], 0, **ROUNDING)
+    assert (axes_along(line, beside) @ beside)[1] > 0
+
+
+@pytest.mark.parametrize(("line", "beside"), [([0, 0, 0], None), ([1, 2, 3], [-2, -4, -6]), ([1, 2, 3], [0, 0, 0])])
+def test_what_lies_along_one_line_spans_no_axes(line: list[float], beside: list[float] | None) -> None:
+    with pytest.raises(ValueError, match="span no axes"):
+        axes_along(line, beside)
 
 
 @given(vectors, vectors, vectors)

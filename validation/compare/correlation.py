@@ -33,9 +33,6 @@ GREEN = 0.9
 FAR = 3.0
 """[sigma] from which a frequency is off."""
 
-IN_RADIANS = 0.2
-"""[share] that frequencies of a table may be off times 2 pi, each of them, to be told in rad/s."""
-
 BEYOND = 1.3
 """Times the highest frequency of a table up to which modes of the model are looked at."""
 
@@ -159,10 +156,6 @@ def of_modes(modes: RealModes, table: ModalTable, allowed: npt.ArrayLike = 0.0, 
         )
         for k in range(len(of))
     )
-    lowest, count, said = f[f > STRAINS_NOT * table.frequency.min()][: len(of)], len(of), list[str]()
-    if count > 2 and count == len(lowest) and np.all(np.abs(np.sort(table.frequency) / (2 * np.pi * lowest) - 1) < IN_RADIANS):
-        said = ["measured frequencies are 6.28 times those of the lowest modes: they are in rad/s"]
-    said += _remarks(pairs, [k + 1 for k in inside], np.hypot(allowed, table.frequency_deviation / table.frequency))
     return ModalCorrelation(
         data_set=table.title,
         rule=RULE if table.shapes is not None else RULE.replace("1 - MAC + ", ""),
@@ -172,7 +165,7 @@ def of_modes(modes: RealModes, table: ModalTable, allowed: npt.ArrayLike = 0.0, 
         mac=matrix,
         cross_orthogonality=crossed,
         comac=by_sensor,
-        remarks=tuple(said),
+        remarks=_remarks(pairs, [k + 1 for k in inside], np.hypot(allowed, table.frequency_deviation / table.frequency)),
         measured_shapes=read,
         model_shapes=seen_of,
     )
