@@ -1,12 +1,11 @@
 """From an article and a base motion, however large, to the response."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.response import Response
@@ -19,7 +18,7 @@ from fem.exudyn.frame import viscous
 from fem.exudyn.run import failed, finite, kept, running
 from geometry.articles import built_in
 from geometry.errors import BadInput
-from geometry.frames import Array, freeze, frozen
+from geometry.frames import Array, frozen
 from geometry.inertia import Inertia, judge
 from geometry.routes import inertia as drawn_inertia
 
@@ -233,71 +232,28 @@ def _marker(scene: Scene, body: Number, place: Array) -> Number:
     return int(scene.system.AddMarker(scene.items.MarkerBodyRigid(bodyNumber=body, localPosition=place.tolist())))
 
 
-# How a table turns: rotation and spin, without any assumption of smallness.
+# How a table turns, without any assumption of smallness.
 #
 # With the angles alpha, beta, gamma of `BaseMotion` a vector of the table's axes is, in the laboratory's,
 #
 #     v_lab = R v,    R = R_x(alpha) R_y(beta) R_z(gamma),
 #
 # so that alpha turns about the x axis of the laboratory, beta about the y axis that alpha has turned, gamma about the table's
-# own z axis. The spin is the sum of these three rates about these three axes, e_1 = x, e_2 = R_x y, e_3 = R_x R_y z:
-#
-#     omega = alpha' e_1 + beta' e_2 + gamma' e_3
-#     omega' = alpha'' e_1 + beta'' e_2 + gamma'' e_3 + alpha' e_1 x beta' e_2 + (alpha' e_1 + beta' e_2) x gamma' e_3
-#
-# (each axis turns with the rates before it). Only for small angles are alpha'', beta'', gamma'' the angular acceleration.
+# own z axis. Only for small angles are alpha'', beta'', gamma'' the angular acceleration.
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Turning:
-    """The rotation of a table over time.
-
-    Attributes
-    ----------
-    rotation : (n, 3, 3) its columns are the table's axes in the laboratory
-    spin : (n, 3) [rad/s] in the laboratory's axes
-    spin_rate : (n, 3) [rad/s²] its derivative, in the laboratory's axes
-    """
-
-    rotation: Array
-    spin: Array
-    spin_rate: Array
-
-    def __post_init__(self) -> None:
-        n = len(self.rotation)
-        freeze(self, rotation=(n, 3, 3), spin=(n, 3), spin_rate=(n, 3))
-
-    def seen_from_table(self, vectors: npt.ArrayLike) -> Array:
-        """R^T v: vectors (n, 3) of the laboratory's axes in the table's."""
-        return _product_each("nji,nj->ni", self.rotation, vectors)
-
-    def seen_from_laboratory(self, vectors: npt.ArrayLike) -> Array:
-        """R v: vectors (n, 3) of the table's axes in the laboratory's."""
-        return _product_each("nij,nj->ni", self.rotation, vectors)
+def turning(motion: BaseMotion) -> Array:
+    """(n, 3, 3) R at every sample of `motion`: its columns are the table's axes in the laboratory."""
+    (a, b, c), (sa, sb, sc) = np.cos(motion.displacement[:, 3:].T), np.sin(motion.displacement[:, 3:].T)
+    x = np.column_stack([b * c, a * sc + sa * sb * c, sa * sc - a * sb * c])
+    z = np.column_stack([sb, -sa * b, a * b])
+    return np.stack([x, np.cross(z, x), z], axis=-1)
 
 
-def turning(motion: BaseMotion) -> Turning:
-    """How the table of `motion` turns."""
-    angles, rates, accelerations = (x[:, 3:] for x in (motion.displacement, motion.velocity, motion.acceleration))
-    turned_about, axes = _axes(angles)
-    a, b, c = (rate[:, None] * axis for rate, axis in zip(rates.T, turned_about, strict=True))
-    spin_rate = sum(x[:, None] * axis for x, axis in zip(accelerations.T, turned_about, strict=True))
-    return Turning(rotation=np.stack(axes, axis=-1), spin=a + b + c, spin_rate=spin_rate + np.cross(a, b) + np.cross(a + b, c))
-
-
-def _product_each(product: str, matrices: Array, vectors: npt.ArrayLike) -> Array:
-    return np.asarray(np.einsum(product, matrices, np.asarray(vectors, dtype=np.float64)))
-
-
-def _axes(angles: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
-    """The three axes about which alpha, beta and gamma turn, and those of the table, all (n, 3) in the laboratory's."""
-    (a, b, c), (sa, sb, sc) = np.cos(angles.T), np.sin(angles.T)
-    zero, one = np.zeros_like(a), np.ones_like(a)
-    first = np.column_stack([one, zero, zero])
-    second = np.column_stack([zero, a, sa])
-    third = np.column_stack([sb, -sa * b, a * b])
-    x_axis = np.column_stack([b * c, a * sc + sa * sb * c, sa * sc - a * sb * c])
-    return (first, second, third), (x_axis, np.cross(third, x_axis), third)
+def seen_by(axes: Array, vectors: Array) -> Array:
+    """What `vectors` (n, 3 k) are along other `axes` (n, 3, 3), their columns; three by three, as forces and moments are."""
+    threes = vectors.reshape(len(vectors), -1, 3)
+    return np.asarray(np.einsum("nji,nkj->nki", axes, threes).reshape(vectors.shape))
 
 
 ROUTE = "exudyn, large motion: its own bodies and beams"
@@ -404,20 +360,20 @@ def respond_of_plan(
             said = {f.name: getattr(conditions, f.name) for f in fields(conditions)}
             said |= {"places": {name: place.tolist() for name, place in conditions.places.items()}, "route": ROUTE}
             told = {**driven_run.described(solver, motion.sampling_rate, steps), **settings, **said}
-            turned = turning(motion)
+            R = turning(motion)
             load = finite(recorded(scene, table.loads) * SIGNS, TASK)
             at_rest = load[0] if conditions.gravity else np.zeros(6)
             acceleration = finite(recorded(scene, table.accelerations), TASK)
             places = {name: finite(recorded(scene, (sensor,)), TASK) for name, sensor in table.places.items()}
             in_table = conditions.axes == "table"
-            acceleration = _turned_each(turned.seen_from_table, acceleration) if in_table else acceleration
+            acceleration = seen_by(R, acceleration) if in_table else acceleration
             return Response(
                 sampling_rate=motion.sampling_rate,
                 table=acceleration,
                 cover=acceleration,
-                load=load - at_rest if in_table else _turned_each(turned.seen_from_laboratory, load) - at_rest,
+                load=load - at_rest if in_table else seen_by(R.swapaxes(1, 2), load) - at_rest,
                 cells=np.zeros((len(load), 0, 3)),
-                places={name: turned.seen_from_table(a) if in_table else a for name, a in places.items()},
+                places={name: seen_by(R, a) if in_table else a for name, a in places.items()},
                 reference_point=motion.reference_point,
                 settings={**told, "load_at_rest": at_rest.tolist()},
             )
@@ -468,8 +424,3 @@ def _assembled(exudyn: Any, plan: Plan, motion: BaseMotion, conditions: Conditio
     )
     scene.system.Assemble()
     return scene, table
-
-
-def _turned_each(turned: Callable[[Array], Array], six: Array) -> Array:
-    """Forces and moments, or both kinds of acceleration (n, 6), each in other axes."""
-    return np.hstack([turned(six[:, :3]), turned(six[:, 3:])])

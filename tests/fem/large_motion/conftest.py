@@ -6,11 +6,25 @@ import numpy as np
 import pytest
 
 from fem.base_excitation.patterns import BaseMotion
-from fem.exudyn.large_motion import turning
+from fem.exudyn.large_motion import seen_by, turning
 from geometry.frames import Array, rotation_about
 from geometry.inertia import Inertia
 
 TURN = rotation_about("x", 0.4) @ rotation_about("y", -0.8) @ rotation_about("z", 1.1)
+
+
+def spin(motion: BaseMotion) -> tuple[Array, Array]:
+    """Spin and its rate (n, 3) [rad/s, rad/s²] in the table's axes: the three rates about the axes e_1 = x, e_2 = R_x y and
+    e_3 = R_x R_y z, each of which turns with the rates before it,
+
+    omega' = alpha'' e_1 + beta'' e_2 + gamma'' e_3 + alpha' e_1 x beta' e_2 + (alpha' e_1 + beta' e_2) x gamma' e_3.
+    """
+    (ca, _, _), (sa, _, _) = np.cos(motion.displacement[:, 3:].T), np.sin(motion.displacement[:, 3:].T)
+    R = turning(motion)
+    about = (np.broadcast_to([1.0, 0.0, 0.0], (len(R), 3)), np.column_stack([0 * ca, ca, sa]), R[:, :, 2])
+    a, b, c = (rate[:, None] * e for rate, e in zip(motion.velocity[:, 3:].T, about, strict=True))
+    rate = sum(x[:, None] * e for x, e in zip(motion.acceleration[:, 3:].T, about, strict=True))
+    return seen_by(R, a + b + c), seen_by(R, rate + np.cross(a, b) + np.cross(a + b, c))
 
 
 @pytest.fixture(scope="session")
@@ -24,8 +38,7 @@ def sensed() -> Callable[[BaseMotion], Array]:
     """R^T p'' and R^T omega' (n, 6): what accelerometers in the reference point and gyroscopes make of a motion."""
 
     def six(motion: BaseMotion) -> Array:
-        turned = turning(motion)
-        return np.hstack([turned.seen_from_table(x) for x in (motion.acceleration[:, :3], turned.spin_rate)])
+        return np.hstack([seen_by(turning(motion), motion.acceleration[:, :3]), spin(motion)[1]])
 
     return six
 
@@ -35,12 +48,11 @@ def newton_euler() -> Callable[..., Array]:
     """Load (n, 6) of the table on a rigid body about the reference point, in the table's axes, as a textbook has it."""
 
     def load(motion: BaseMotion, body: Inertia, gravity: float = 0.0) -> Array:
-        turned, about = turning(motion), body.about(motion.reference_point)
-        lifted = motion.acceleration[:, :3] + gravity * np.eye(3)[2]
-        a, spin, rate = (turned.seen_from_table(x) for x in (lifted, turned.spin, turned.spin_rate))
+        about, (w, rate) = body.about(motion.reference_point), spin(motion)
+        a = seen_by(turning(motion), motion.acceleration[:, :3] + gravity * np.eye(3)[2])
         h, I = about.first_moment, about.tensor
-        force = about.mass * a + np.cross(rate, h) + np.cross(spin, np.cross(spin, h))
-        return np.hstack([force, np.cross(h, a) + rate @ I + np.cross(spin, spin @ I)])
+        force = about.mass * a + np.cross(rate, h) + np.cross(w, np.cross(w, h))
+        return np.hstack([force, np.cross(h, a) + rate @ I + np.cross(w, w @ I)])
 
     return load
 
@@ -54,9 +66,8 @@ def accelerometer() -> Callable[..., Array]:
     """
 
     def read(motion: BaseMotion, place: Array, gravity: float = 0.0) -> Array:
-        turned = turning(motion)
-        spin, rate = (turned.seen_from_table(x) for x in (turned.spin, turned.spin_rate))
-        straight = turned.seen_from_table(motion.acceleration[:, :3] + [0.0, 0.0, gravity])
-        return straight + np.cross(rate, place) + np.cross(spin, np.cross(spin, place))
+        w, rate = spin(motion)
+        straight = seen_by(turning(motion), motion.acceleration[:, :3] + [0.0, 0.0, gravity])
+        return straight + np.cross(rate, place) + np.cross(w, np.cross(w, place))
 
     return read
