@@ -16,6 +16,7 @@ import numpy as np
 from geometry import mesh as meshes
 from geometry.frames import Array, frozen
 from geometry.inertia import Inertia
+from geometry.mesh import Integers, TriangleMesh
 from geometry.toml_file import METRE, LengthUnit
 
 WELD = 1e-6
@@ -39,7 +40,7 @@ POINTS = 60_000
 class MendedMesh:
     """A mesh after mending, and every step in words."""
 
-    mesh: meshes.TriangleMesh
+    mesh: TriangleMesh
     steps: tuple[str, ...]
 
 
@@ -57,12 +58,12 @@ class EstimatedBody:
     error: Array
 
 
-def mended(mesh: meshes.TriangleMesh, unit: LengthUnit = METRE) -> MendedMesh:
+def mended(mesh: TriangleMesh, unit: LengthUnit = METRE) -> MendedMesh:
     """`mesh` with what can be mended safely mended; volumes in the steps are in cubes of `unit`."""
     steps: list[str] = []
     diagonal = float(np.linalg.norm(np.ptp(mesh.bounds, axis=0)))
 
-    def said(words: str, now: meshes.TriangleMesh) -> meshes.TriangleMesh:
+    def said(words: str, now: TriangleMesh) -> TriangleMesh:
         moved = abs(now.volume - mesh.volume)
         share = f", {moved / abs(now.volume):.2g} of it" if moved and now.volume else ""
         steps.append(f"{words}: {moved / unit.metres**3:.3g} {unit.name}³ moved{share}")
@@ -72,7 +73,7 @@ def mended(mesh: meshes.TriangleMesh, unit: LengthUnit = METRE) -> MendedMesh:
     grid = np.round(before.vertices / (WELD * diagonal)).astype(np.int64)
     _, first, index = np.unique(grid, axis=0, return_index=True, return_inverse=True)
     if len(first) < len(before.vertices):
-        welded = meshes.TriangleMesh(vertices=before.vertices[first], faces=index.reshape(-1)[before.faces])
+        welded = TriangleMesh(vertices=before.vertices[first], faces=index.reshape(-1)[before.faces])
         mesh = said(f"{len(before.vertices) - len(first)} vertices made one with a neighbour", welded)
     else:
         mesh = before
@@ -104,11 +105,11 @@ def mended(mesh: meshes.TriangleMesh, unit: LengthUnit = METRE) -> MendedMesh:
         mesh = said(f"{len(caps)} small hole{'s' * (len(caps) > 1)} closed", closed)
     skins = list(meshes.pieces(mesh)) if len(mesh.faces) else []
     if skins and all(one.volume < 0 for one in skins) and not (meshes.edges(mesh).uses == 1).any():
-        mesh = said("all normals turned outwards", meshes.TriangleMesh(vertices=mesh.vertices, faces=mesh.faces[:, ::-1]))
+        mesh = said("all normals turned outwards", TriangleMesh(vertices=mesh.vertices, faces=mesh.faces[:, ::-1]))
     return MendedMesh(mesh=mesh, steps=tuple(steps))
 
 
-def _caps(mesh: meshes.TriangleMesh, largest: float) -> list[meshes.TriangleMesh]:
+def _caps(mesh: TriangleMesh, largest: float) -> list[TriangleMesh]:
     """A fan of triangles for every hole of `mesh` that is a simple loop and no wider than `largest` [m]."""
     found = meshes.edges(mesh)
     directed = mesh.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
@@ -138,15 +139,15 @@ def _caps(mesh: meshes.TriangleMesh, largest: float) -> list[meshes.TriangleMesh
         if wide > largest or 2 * wide > around:  # the rim of a lone triangle or of a scrap is no hole
             continue
         if len(loop) == 3:
-            caps.append(meshes.TriangleMesh(vertices=rim, faces=np.array([[2, 1, 0]])))
+            caps.append(TriangleMesh(vertices=rim, faces=np.array([[2, 1, 0]])))
             continue
         ring = np.arange(len(loop))
-        fan: meshes.Integers = np.column_stack([np.roll(ring, -1), ring, np.full(len(loop), len(loop))])
-        caps.append(meshes.TriangleMesh(vertices=np.vstack([rim, rim.mean(axis=0)]), faces=fan))
+        fan: Integers = np.column_stack([np.roll(ring, -1), ring, np.full(len(loop), len(loop))])
+        caps.append(TriangleMesh(vertices=np.vstack([rim, rim.mean(axis=0)]), faces=fan))
     return caps
 
 
-def estimated(mesh: meshes.TriangleMesh, random: "np.random.Generator | None" = None) -> EstimatedBody:
+def estimated(mesh: TriangleMesh, random: "np.random.Generator | None" = None) -> EstimatedBody:
     """What `mesh` encloses at unit density, closed or not; `random` draws the samples, by default the same ones every time.
 
     Raises

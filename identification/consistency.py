@@ -135,8 +135,7 @@ def misfit(of: Readings, values: ComplexArray, noise: Array) -> Misfit:
     motion, load = _motion(of, values, noise), _load(of, values, noise)
     if values.shape[1] >= 6:
         # Mean squares (v,) of what H has that no body has and that no structure has, and the price of a negative mass
-        found = _entries(motion, load)
-        H, sd = found.matrix, found.deviation
+        H, sd = _entries(motion, load)
         elastic = elasticity(of, H, sd)
         negative = np.any(np.diagonal((H.real + elastic)[:, 0], axis1=1, axis2=2) <= 0, axis=1)
         # Mean square (v,) of H (v, n, 6, 6) less its transpose, which elasticity leaves alone
@@ -162,7 +161,7 @@ def deviation(of: Readings) -> Array:
     covariance = np.einsum("njc,vrnc,nkc->vrnjk", T, sd**2, T, optimize=True)
     u = np.einsum("njc,vrnc->vrnj", T, values[..., used])
     side = _Side(values=u, covariance=covariance, left_over=np.zeros(1))
-    return np.asarray(_entries(side, _load(of, values, noise)).deviation[0])
+    return np.asarray(_entries(side, _load(of, values, noise))[1][0])
 
 
 def elasticity(of: Readings, H: ComplexArray, sd: Array) -> Array:
@@ -261,21 +260,14 @@ HALVES = (slice(3), slice(3, 6))
 """Translations and rotations, forces and moments."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Entries:
+def _entries(motion: _Side, load: _Side) -> tuple[ComplexArray, Array]:
     """H (v, n, 6, 6) at the lowest lines, and the standard deviation of each entry by the tolerances."""
-
-    matrix: ComplexArray
-    deviation: Array
-
-
-def _entries(motion: _Side, load: _Side) -> _Entries:
     U, F = motion.values.transpose(0, 2, 3, 1), load.values.transpose(0, 2, 3, 1)  # (v, n, 6, r)
     P = np.linalg.pinv(U)
     H = F @ P
     through = np.einsum("vnij,vrnjk,vnik->vrni", H, motion.covariance, H.conj(), optimize=True).real
     own = np.diagonal(load.covariance, axis1=-2, axis2=-1)
-    return _Entries(matrix=H, deviation=np.sqrt(np.einsum("vrni,vnrk->vnik", own + through, np.abs(P) ** 2, optimize=True)))
+    return H, np.sqrt(np.einsum("vrni,vnrk->vnik", own + through, np.abs(P) ** 2, optimize=True))
 
 
 def _mean_square(values: ComplexArray) -> Array:

@@ -243,21 +243,21 @@ def expected(
     problem = assembled(evidence, settings)
     tell(0.4)
     solution = fitted(problem, settings, progress=lambda share: tell(0.4 + 0.2 * share))
+    # By campaign how its channels answer to everything at the planned truth, which no weight changes
     planned = [
-        _At(part=part, rows=part.rows(problem.layout, solution.x), selection=part.selection(problem.layout))
-        for part in problem.parts(settings.floor)
+        (part, part.rows(problem.layout, solution.x), part.selection(problem.layout)) for part in problem.parts(settings.floor)
     ]
     names = problem.campaigns[0].chain.names if lost else ()
     without = {}
     for k, name in enumerate(names):
         tell(0.6 + 0.4 * k / len(names))
-        without[name] = covariance(problem, [_information(one, blind=name) for one in planned])
+        without[name] = covariance(problem, [_information(*one, blind=name) for one in planned])
     untared = None
     if evidence.tares:
         before = np.zeros((len(problem.layout), len(problem.layout)))  # information about the FMD that was there before
         at = problem.layout.at(problem.campaigns[0].structure.bodies[0].block)
         before[at, at] = inverse(fmd.covariance)
-        untared = covariance(problem, [_information(planned[0]), before])
+        untared = covariance(problem, [_information(*planned[0]), before])
     tell(1.0)
     return Expected(best=identified(problem, solution, settings), plain=plainly, untared=untared, without=without)
 
@@ -268,23 +268,14 @@ def covariance(problem: Assembly, information: Sequence[Array]) -> Array:
     return inverse(np.sum(information, axis=0) + rows.T @ rows)[article, article]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _At:
-    """A campaign at the planned truth: how its channels answer to everything, which no weight changes."""
-
-    part: Part
-    rows: Rows
-    selection: Array
-
-
-def _information(one: _At, blind: str | None = None) -> Array:
+def _information(part: Part, rows: Rows, selection: Array, blind: str | None = None) -> Array:
     """J^T J (k, k) of a campaign, to which the channel `blind` says nothing."""
-    observed = one.part.observed
+    observed = part.observed
     if blind is not None:
         weight = observed.weight.copy()
-        weight[:, :, one.part.chain.names.index(blind)] = 0.0
+        weight[:, :, part.chain.names.index(blind)] = 0.0
         observed = replace(observed, weight=weight)
-    return np.asarray(one.selection.T @ normal(observed, one.rows).matrix @ one.selection)
+    return np.asarray(selection.T @ normal(observed, rows).matrix @ selection)
 
 
 # The FMD by itself, to be carried with its covariance into what is identified later (`Evidence.fmd`).

@@ -160,24 +160,13 @@ def drift(dynamic_mass: DynamicMass, floor: float) -> Array:
 # from channel to channel, line to line and run to run.
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Sensitivity:
-    """What errors of the channels do to the ten parameters of a set-up.
+def sensitivity(spectra: Spectra, found: Setup, chain: Chain) -> tuple[Array, Array]:
+    """What errors of the channels do to the plain estimate `found` from `spectra`.
 
-    Attributes
-    ----------
-    names : (p,) parameters of the chain
-    chain : (10, p) d ten / d offset of each
-    noise : (10, 10) covariance that the noise of the channels gives
+    Returns
+    -------
+    (10, p) d ten / d offset of each of the parameters of `chain`; (10, 10) the covariance that the noise of the channels gives
     """
-
-    names: tuple[str, ...]
-    chain: Array
-    noise: Array
-
-
-def sensitivity(spectra: Spectra, found: Setup, chain: Chain) -> Sensitivity:
-    """The sensitivity of the plain estimate `found` from `spectra` to the parameters of `chain` and to noise."""
     data = lines_of(found.estimate.dynamic_mass, found.noise, CHAIN_ERROR, None)
     chosen = kept(data)
     gain = _gain(found, data.at(chosen).frequency, data.at(chosen).deviation)
@@ -194,8 +183,7 @@ def sensitivity(spectra: Spectra, found: Setup, chain: Chain) -> Sensitivity:
     # dH (p, n, 6, 6) of all of them at once
     by_run = (left.transpose(1, 2, 3, 0) @ changed).transpose(3, 1, 2, 0)  # (p, n, 6, r)
     sensed = (gain.reshape(10, -1) @ (by_run @ inverse_motion).reshape(len(every), -1).T).real
-    noise = _noise(thin, left, inverse_motion, gain)
-    return Sensitivity(names=tuple(one.name for one in chain.parameters), chain=sensed, noise=noise)
+    return sensed, _noise(thin, left, inverse_motion, gain)
 
 
 def _gain(found: Setup, frequency: Array, deviation: Array) -> ComplexArray:
@@ -344,7 +332,7 @@ def tolerances_of(spectra: Spectra, settings: Settings) -> dict[str, float]:
 
 def _of_setup(spectra: Spectra, found: Setup, settings: Settings) -> Difference:
     of = chain(spectra.table, settings.tolerances, stiffness=settings.stiffness, gravity=settings.gravity)
-    answer: Sensitivity = sensitivity(spectra, found, of)
+    sensed, noise = sensitivity(spectra, found, of)
     # The floor of the fit stands for errors of the chain, which count on their own; the misfit says what it really is.
     elastic = found.fitted.covariance * min(found.fitted.misfit, 1.0)
     if settings.modes == 0:
@@ -353,6 +341,6 @@ def _of_setup(spectra: Spectra, found: Setup, settings: Settings) -> Difference:
     return Difference(
         ten=found.ten,
         raw=found.raw,
-        chain=dict(zip(answer.names, answer.chain.T, strict=True)),
-        parts={"noise": answer.noise, "elasticity": elastic},
+        chain={one.name: column for one, column in zip(of.parameters, sensed.T, strict=True)},
+        parts={"noise": noise, "elasticity": elastic},
     )

@@ -206,23 +206,6 @@ raises the first, turns about y and z lower the other two, so that these alone c
 LEVEL = ("Acceleration", "AngularAcceleration")
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Table:
-    """A driven table with its sensors.
-
-    Attributes
-    ----------
-    axes : the constraints that drive it
-    accelerations, loads : sensors of the table's node, in the laboratory's axes, and of the joint, in the table's
-    places : sensors of accelerations by name, in the laboratory's axes
-    """
-
-    axes: tuple[Number, ...]
-    accelerations: tuple[Number, ...]
-    loads: tuple[Number, ...]
-    places: Mapping[str, Number]
-
-
 def _massless(scene: Scene, node: Number) -> Number:
     """A body that marks places around `node`."""
     return int(scene.system.AddObject(scene.items.ObjectRigidBody(mass=0.0, inertia=[0.0] * 6, nodeNumber=node)))
@@ -338,11 +321,13 @@ def respond_of_plan(
         raise BadInput(source="solver", field="method", problem=problem, remedy=f"Take {SOLVER.method} and halve the step")
     steps = solver.subdivision or 1
     with running(TASK) as exudyn:
-        scene, table = _assembled(exudyn, placed(plan, -motion.reference_point), motion, conditions)
+        scene, driving, accelerations, loads, sensors = _assembled(
+            exudyn, placed(plan, -motion.reference_point), motion, conditions
+        )
         if conditions.gravity:
             settle(scene)
         path = targets(motion, steps, velocity=False)
-        steering = Drive(scene, table.axes, path, motion.sampling_rate * steps, progress)
+        steering = Drive(scene, driving, path, motion.sampling_rate * steps, progress)
         # Newton's iteration ends by its increments, for the residual of a stiff beam is the rounding of large internal forces.
         # Increments tell nothing of the joints' forces, so every step has a Jacobian of its own: with that of a table turned
         # otherwise the moments are 18 % off after a radian while the coordinates are right to the last digit.
@@ -361,10 +346,10 @@ def respond_of_plan(
             said |= {"places": {name: place.tolist() for name, place in conditions.places.items()}, "route": ROUTE}
             told = {**driven_run.described(solver, motion.sampling_rate, steps), **settings, **said}
             R = turning(motion)
-            load = finite(recorded(scene, table.loads) * SIGNS, TASK)
+            load = finite(recorded(scene, loads) * SIGNS, TASK)
             at_rest = load[0] if conditions.gravity else np.zeros(6)
-            acceleration = finite(recorded(scene, table.accelerations), TASK)
-            places = {name: finite(recorded(scene, (sensor,)), TASK) for name, sensor in table.places.items()}
+            acceleration = finite(recorded(scene, accelerations), TASK)
+            places = {name: finite(recorded(scene, (sensor,)), TASK) for name, sensor in sensors.items()}
             in_table = conditions.axes == "table"
             acceleration = seen_by(R, acceleration) if in_table else acceleration
             return Response(
@@ -380,8 +365,11 @@ def respond_of_plan(
     raise stopped
 
 
-def _assembled(exudyn: Any, plan: Plan, motion: BaseMotion, conditions: Conditions) -> tuple[Scene, Table]:
-    """`plan`, whose origin is the reference point, on its table, with sensors."""
+def _assembled(
+    exudyn: Any, plan: Plan, motion: BaseMotion, conditions: Conditions
+) -> tuple[Scene, tuple[Number, ...], tuple[Number, ...], tuple[Number, ...], dict[str, Number]]:
+    """`plan`, whose origin is the reference point, on its table: the constraints that drive that; sensors of its accelerations
+    (laboratory's axes), of loads (table's) and, by name, of the accelerations of places (laboratory's)."""
     damping = None if conditions.loss_frequency is None else viscous(plan, conditions.loss_frequency)
     article = frame.build(exudyn, plan, held=False, damping=damping)
     from exudyn import itemInterface
@@ -416,11 +404,7 @@ def _assembled(exudyn: Any, plan: Plan, motion: BaseMotion, conditions: Conditio
             storeInternal=True,
         )
         places[name] = int(scene.system.AddSensor(sensor))
-    table = Table(
-        axes=axes,
-        accelerations=tuple(watch_node(scene, moving.node, output) for output in LEVEL),
-        loads=tuple(watch_object(scene, joint, output) for output in ("ForceLocal", "TorqueLocal")),
-        places=places,
-    )
+    accelerations = tuple(watch_node(scene, moving.node, output) for output in LEVEL)
+    loads = tuple(watch_object(scene, joint, output) for output in ("ForceLocal", "TorqueLocal"))
     scene.system.Assemble()
-    return scene, table
+    return scene, axes, accelerations, loads, places

@@ -25,9 +25,20 @@ from identification.response_functions import QUANTITIES
 from identification.self_calibration.solve import eliminated, inverse, smoothed_level
 from identification.spectra.line_spectra import Spectra
 from validation.estimation import evaluate
-from validation.estimation import problem as problems
 from validation.estimation.fit import FLOOR, PLAIN_FLOOR, at_bounds
 from validation.estimation.likelihood import cost_of, left_of_run, level_of, observed, root
+from validation.estimation.problem import (
+    STRUCTURAL,
+    Change,
+    Conveyed,
+    Fit,
+    Lines,
+    Measured,
+    Offsets,
+    Predicted,
+    Prediction,
+    Problem,
+)
 from validation.prediction.response_functions import ResponseFunctionTest
 
 # What is not known at a plain fit: every tolerance of the measurement, and how the fit answered to it.
@@ -61,7 +72,7 @@ class Doubt:
     of_modes: frozenset[str] = frozenset()
 
 
-def doubt(problem: problems.Problem, plain: problems.Fit) -> Doubt:
+def doubt(problem: Problem, plain: Fit) -> Doubt:
     """At the plain fit of `problem`, on its lines."""
     fitted = {one.name for one in plain.parameters}
     others = [one for one in problem.parameters if one.name not in fitted and 0 < one.tolerance < np.inf]
@@ -77,7 +88,7 @@ def doubt(problem: problems.Problem, plain: problems.Fit) -> Doubt:
         fitted=tuple(one.name for one in free),
         answer=-own @ N[:p, p:] * np.array(list(loose.values())),
         own=root(own) if p else own,
-        of_modes=frozenset(one.name for one in problem.parameters if one.kind == problems.STRUCTURAL),
+        of_modes=frozenset(one.name for one in problem.parameters if one.kind == STRUCTURAL),
     )
 
 
@@ -121,7 +132,7 @@ class ReadingSpread:
     by_modes: ComplexArray
 
     @classmethod
-    def of(cls, unknown: Doubt, found: problems.Predicted, inputs: ComplexArray) -> Self:
+    def of(cls, unknown: Doubt, found: Predicted, inputs: ComplexArray) -> Self:
         """From derivatives of rows, and the `inputs` (r, n, k) that turn them into readings."""
         names = list(unknown.tolerances)
         here = np.array([name in found.changes for name in unknown.fitted], dtype=bool)
@@ -219,7 +230,7 @@ class Chunk:
     spread : what everything that is not known does to the readings
     """
 
-    lines: problems.Lines
+    lines: Lines
     rows: ComplexArray
     inputs: ComplexArray
     noise: Array
@@ -227,7 +238,7 @@ class Chunk:
     spread: ReadingSpread
 
 
-def chunks(prediction: problems.Prediction, offsets: problems.Offsets, unknown: Doubt) -> Iterator[Chunk]:
+def chunks(prediction: Prediction, offsets: Offsets, unknown: Doubt) -> Iterator[Chunk]:
     """The lines of `prediction` at `offsets`, in order; `unknown` is what may be otherwise.
 
     Raises
@@ -253,10 +264,10 @@ def chunks(prediction: problems.Prediction, offsets: problems.Offsets, unknown: 
         )
 
 
-def _readings(change: problems.Change | problems.Conveyed, u: ComplexArray) -> ComplexArray:
+def _readings(change: Change | Conveyed, u: ComplexArray) -> ComplexArray:
     """(r, n, len(change.channels)) d readings / d offset for inputs u (r, n, k)."""
     by_line = u.transpose(1, 2, 0)
-    if isinstance(change, problems.Conveyed):
+    if isinstance(change, Conveyed):
         return np.asarray((change.through @ (change.quantities @ by_line)).transpose(2, 0, 1))
     if change.rows.ndim == 4:
         return np.asarray((change.rows @ u[..., None])[..., 0])
@@ -489,7 +500,7 @@ def through(of: Operators, y: ComplexArray, frequency: Array) -> Estimate:
     return from_runs(load, motion, frequency)
 
 
-def pair_lines(of: Operators, measured: problems.Measured, part: Chunk) -> tuple[ComplexArray, ComplexArray, Array]:
+def pair_lines(of: Operators, measured: Measured, part: Chunk) -> tuple[ComplexArray, ComplexArray, Array]:
     """Measured and predicted dynamic mass on the lines of `part`, and the variance of their difference, each (n, 6, 6).
 
     Raises
@@ -599,12 +610,12 @@ class Rig:
         by_name = {one.name: one for one in self.table.channels}
         return ChannelTable(channels=tuple(by_name[name] for name in names), origin=self.table.origin)
 
-    def loads(self, measured: problems.Measured) -> Array | None:
+    def loads(self, measured: Measured) -> Array | None:
         """(6, f) the loads about F from the judged channels; None where they do not tell all six."""
         table = self.of([name for name, judged in zip(measured.channels, measured.judged, strict=True) if judged])
         return resultants(table.channels, table.origin) if of_resultants(table).complete else None
 
-    def operators(self, measured: problems.Measured) -> tuple[Operators | None, tuple[str, ...]]:
+    def operators(self, measured: Measured) -> tuple[Operators | None, tuple[str, ...]]:
         """From channels to the dynamic mass; or None, and why there is none."""
         table = self.of(measured.channels)
         seen = any(of_motions(table, (group,)).complete for group in ("cover", "table"))
@@ -620,8 +631,8 @@ class Rig:
 
 
 def mapped(
-    prediction: problems.Prediction,
-    offsets: problems.Offsets,
+    prediction: Prediction,
+    offsets: Offsets,
     unknown: Doubt,
     rig: Rig | None = None,
     progress: Callable[[float], None] | None = None,
@@ -686,7 +697,7 @@ def mapped(
     )
 
 
-def _of_lines(measured: problems.Measured, part: Chunk, R: Array | None) -> dict[str, Array]:
+def _of_lines(measured: Measured, part: Chunk, R: Array | None) -> dict[str, Array]:
     """What a chunk says, by field of `Map`."""
     y, A = measured.values[:, part.lines], part.rows
     of_tolerances, of_modes = part.spread.covariances

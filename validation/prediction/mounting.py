@@ -30,7 +30,18 @@ from validation.effects.effect import at_position, position
 from validation.effects.stages import Matrices
 from validation.model.model import RIGID, Model
 from validation.model.setups import FMD, above_fmd, mounted
-from validation.prediction import structure as structures
+from validation.prediction.structure import (
+    BAND,
+    BASE,
+    HIGHEST,
+    NOWHERE,
+    Places,
+    ReducedStructure,
+    lacking,
+    of_structure,
+    on_base,
+    with_positions,
+)
 
 # A user's own article behind its path: an FE model as its file has it, or a drawing, of which a solid model is made.
 
@@ -57,7 +68,7 @@ def positions_on(model: Model, own: str) -> tuple[str, ...]:
 
     def has(path: str, place: str) -> bool:
         of = users_model(path, stamp(path)).model
-        return isinstance(of, Structure) and structures.lacking(of, place) is None
+        return isinstance(of, Structure) and lacking(of, place) is None
 
     others = {*model.own.values()} - {own} if model.kind != RIGID else set()
     return tuple(one for one in model.positions if not others or has(own, one) or not any(has(path, one) for path in others))
@@ -85,12 +96,12 @@ def stamp(path: str) -> int:
     return max((one.stat().st_mtime_ns for one in files), default=0)
 
 
-def of_inertia(inertia: Inertia, places: structures.Places = structures.NOWHERE) -> Matrices:
+def of_inertia(inertia: Inertia, places: Places = NOWHERE) -> Matrices:
     """A rigid body on its moving base, about the article's origin."""
     about = inertia.about(np.zeros(3))
-    nothing = np.zeros((structures.BASE, structures.BASE))
+    nothing = np.zeros((BASE, BASE))
     return Matrices(
-        base=structures.BASE,
+        base=BASE,
         mass=about.mass_matrix,
         stiffness=nothing,
         viscous=nothing,
@@ -108,12 +119,12 @@ def of_modes(modes: Modes, cog: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Matrices:
     BadInput : modes that take more mass than there is, in some direction.
     """
     made = rig.of_modal_data("modal data", modes).reduced
-    kept = slice(structures.BASE, structures.BASE + modes.frequency.size)
+    kept = slice(BASE, BASE + modes.frequency.size)
     stiffness, viscous, structural = (np.array(a) for a in (made.stiffness, made.viscous, made.structural))
     stiffness[kept, kept] = np.diag((2 * np.pi * modes.frequency) ** 2)
     viscous[kept, kept], structural[kept, kept] = modes.viscous, modes.structural
     return Matrices(
-        base=structures.BASE,
+        base=BASE,
         mass=made.mass,
         stiffness=stiffness,
         viscous=viscous,
@@ -144,11 +155,11 @@ class MountedArticle:
 
     article: str
     matrices: Matrices | None
-    reduced: structures.ReducedStructure | None = None
+    reduced: ReducedStructure | None = None
     frequency: Array = field(default_factory=lambda: np.zeros(0))
     losses: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     assumed: bool = False
-    highest: float = structures.HIGHEST
+    highest: float = HIGHEST
     part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
     pose: Pose
     sensors: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
@@ -206,7 +217,7 @@ def mounted_article(model: Model, campaign: Campaign, highest: float = 0.0) -> M
         modes=model.modes,
         damping_ratio=model.damping_ratio,
         changes=() if own else _changes(model, article),
-        band=max(reach, default=highest or structures.BAND) if own else structures.BAND,
+        band=max(reach, default=highest or BAND) if own else BAND,
         positions=positions_on(model, own) if own else (),
     )
     found = _made(replace(recipe, sensors=tuple(dict.fromkeys(there.values()))))
@@ -234,7 +245,7 @@ def accelerometers(model: Model, campaign: Campaign) -> tuple[dict[str, str], di
 def _known(own: str, stamp: int, places: tuple[str, ...]) -> frozenset[str]:
     """Of `places` those that a user's own model has."""
     model = users_model(own, stamp).model
-    return frozenset(one for one in places if isinstance(model, Structure) and structures.lacking(model, one) is None)
+    return frozenset(one for one in places if isinstance(model, Structure) and lacking(model, one) is None)
 
 
 def _riding(recipe: "_Recipe", source: str, there: Mapping[str, str]) -> list[str]:
@@ -242,7 +253,7 @@ def _riding(recipe: "_Recipe", source: str, there: Mapping[str, str]) -> list[st
     model = users_model(recipe.own, recipe.stamp).model if recipe.own and recipe.kind != RIGID else None
     if not isinstance(model, Structure) or model.elements is not None:
         return []
-    rows, named = structures.with_positions(model, tuple(there.values())).places, [*model.places.values()]
+    rows, named = with_positions(model, tuple(there.values())).places, [*model.places.values()]
     beside = {name: place for name, place in there.items() if all(rows[place] is not one for one in named)}
     near = {name: nearest_node(model, np.array(position(place))) for name, place in beside.items()}
     away = {name: distance for name, (_, distance, gap) in near.items() if distance > ON_NODE * (gap or model.gyration)}
@@ -254,7 +265,7 @@ def _riding(recipe: "_Recipe", source: str, there: Mapping[str, str]) -> list[st
 def _unread(recipe: "_Recipe", source: str, unread: Mapping[str, str]) -> str:
     """Why the accelerometers `unread` of the campaign in `source` are not used: nobody knows what moves at their places."""
     model, (name, *others), place = users_model(recipe.own, recipe.stamp).model, unread, next(iter(unread.values()))
-    error = structures.lacking(model, place) if isinstance(model, Structure) else None
+    error = lacking(model, place) if isinstance(model, Structure) else None
     problem = error.problem if error is not None else "has no known motion: the model has no coordinates"
     remedy = "correct its position, or where the article is mounted"
     remedy = "bring its dof, nodes and coordinates" if problem.endswith("has no coordinates") else remedy
@@ -303,7 +314,7 @@ class _Recipe:
     modes: int = 30
     damping_ratio: float | None = None
     changes: tuple[tuple[str, float], ...] = ()
-    band: float = structures.BAND
+    band: float = BAND
     positions: tuple[str, ...] = ()
     sensors: tuple[str, ...] = ()
 
@@ -335,7 +346,7 @@ def _made(recipe: _Recipe) -> MountedArticle:
                 problem = f'is "{support}": it has no base that an FMD could carry'
                 remedy = 'State support = "base" with its interface; response functions and modal tables need none'
                 raise BadInput(source=recipe.own, field="fe_model.support", problem=problem, remedy=remedy)
-            return _of_structure(recipe, structures.with_positions(found.model, list(places)), damping, {}, None)
+            return _of_structure(recipe, with_positions(found.model, list(places)), damping, {}, None)
         frequency = found.model.frequency
         modal = found.model if damping is None else replace(found.model, viscous=damping_per_mode(damping, 2 * np.pi * frequency))
         matrices = of_modes(modal, _inertia(recipe).cog)
@@ -351,21 +362,21 @@ def _made(recipe: _Recipe) -> MountedArticle:
 
 
 def _of_structure(
-    recipe: _Recipe, structure: Structure, damping: Damping | None, places: structures.Places, drawn: Article | None
+    recipe: _Recipe, structure: Structure, damping: Damping | None, places: Places, drawn: Article | None
 ) -> MountedArticle:
     used = damping or default_damping(structure)
     modes, cog = fixed_base(structure, recipe.modes, damping=used), _inertia(recipe).cog
-    reduced = structures.on_base(structure, modes, recipe.band, cog, damping=damping) if recipe.own else None
+    reduced = on_base(structure, modes, recipe.band, cog, damping=damping) if recipe.own else None
     return MountedArticle(
         article=recipe.article,
-        matrices=structures.of_structure(structure, modes, places, cog, damping=used, article=drawn, band=recipe.band)
+        matrices=of_structure(structure, modes, places, cog, damping=used, article=drawn, band=recipe.band)
         if reduced is None
         else reduced.matrices,
         reduced=reduced,
         frequency=modes.frequency,
         losses=used.loss_factors,
         assumed=is_assumed(structure, damping),
-        highest=structures.HIGHEST * recipe.band / structures.BAND,
+        highest=HIGHEST * recipe.band / BAND,
         part_tolerances=structure.part_tolerances,
         pose=Pose(),
     )

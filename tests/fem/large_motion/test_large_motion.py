@@ -202,7 +202,7 @@ def lowest_square(plan: Plan, gravity: float) -> float:
     nothing = np.zeros((2, 6))
     still = BaseMotion(sampling_rate=64.0, displacement=nothing, velocity=nothing, acceleration=nothing, driven=0.0)
     with running("settle the column") as exudyn:
-        scene, _table = large_motion._assembled(exudyn, plan, still, Conditions(gravity=gravity, loss_frequency=None))
+        scene, *_ = large_motion._assembled(exudyn, plan, still, Conditions(gravity=gravity, loss_frequency=None))
         large_motion.settle(scene)
         return float(scene.system.ComputeODE2Eigenvalues(numberOfEigenvalues=2, useAbsoluteValues=False)[0][0])
 
