@@ -69,23 +69,16 @@ class Damping:
         if self.modal is not None:
             matrix = np.asarray(self.modal, dtype=np.float64)
             if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not np.all(np.isfinite(matrix)):
-                raise _bad(
-                    "modal", f"a square matrix of finite numbers is needed, found shape {matrix.shape}", "Give one row per mode"
-                )
+                remedy = "Give one row per mode"
+                raise _bad("modal", f"a square matrix of finite numbers is needed, found shape {matrix.shape}", remedy)
             scale = np.abs(matrix).max(initial=0.0)
             if np.abs(matrix - matrix.T).max(initial=0.0) > ROUNDING * scale:
-                raise _bad(
-                    "modal",
-                    "it must be symmetric, found entries that differ from their mirror",
-                    "Symmetrise it, or leave gyroscopics out",
-                )
+                remedy = "Symmetrise it, or leave gyroscopics out"
+                raise _bad("modal", "it must be symmetric, found entries that differ from their mirror", remedy)
             lowest = np.linalg.eigvalsh(matrix).min(initial=0.0)
             if lowest < -ROUNDING * scale:
-                raise _bad(
-                    "modal",
-                    f"it must not feed energy in, found a negative eigenvalue {lowest:g} rad/s",
-                    "Check the signs of its entries",
-                )
+                remedy = "Check the signs of its entries"
+                raise _bad("modal", f"it must not feed energy in, found a negative eigenvalue {lowest:g} rad/s", remedy)
         if (C := self.viscous) is not None:
             if C.ndim != 2 or C.shape[0] != C.shape[1] or not np.all(np.isfinite(C.data)):
                 problem = f"a square sparse matrix of finite numbers is needed, found shape {C.shape}"
@@ -207,9 +200,8 @@ def _require_losses(matrix: Array, scale: Array, name: str) -> None:
     loss = np.linalg.eigvalsh(matrix / np.outer(scale, scale))
     if loss.min(initial=0.0) < -FEEDS * np.abs(loss).max(initial=0.0):
         problem = f"it must not feed energy in, found a motion of the modes with the loss factor {loss.min():.3g}"
-        raise _bad(
-            name, problem, "Check the signs of its entries beside the diagonal, and that it is damping and not gyroscopics"
-        )
+        remedy = "Check the signs of its entries beside the diagonal, and that it is damping and not gyroscopics"
+        raise _bad(name, problem, remedy)
 
 
 def symmetric(matrix: Array) -> Array:

@@ -69,9 +69,8 @@ def geometric(structure: Structure, storeys: Mapping[str, Storey], *, vertical: 
             if place not in (GROUND, *structure.places):
                 raise _wrong(part, f"no place is called {place!r}", f"Known are {', '.join((GROUND, *structure.places))}")
         if not np.isfinite(storey.height) or storey.height == 0:
-            raise _wrong(
-                part, f"a height that is not 0 is needed, found {storey.height:g} m", "State it, negative where it hangs"
-            )
+            remedy = "State it, negative where it hangs"
+            raise _wrong(part, f"a height that is not 0 is needed, found {storey.height:g} m", remedy)
         weight = carried(structure, part, lateral[0]) if storey.weight is None else storey.weight
         leans = sum(
             sign * csr_array(structure.places[place])[lateral]
@@ -107,9 +106,8 @@ def carried(structure: Structure, part: str, axis: int = 0) -> float:
         if np.any(moved) and abs(moved @ (left @ moved)) <= FLOATING * max(work, 0.0):
             mass += float(moved @ (structure.mass @ moved))
     if mass <= 0:
-        raise _wrong(
-            part, "what it carries is carried by other parts, too, or nothing is said of how it moves", "State the weight"
-        )
+        remedy = "State the weight"
+        raise _wrong(part, "what it carries is carried by other parts, too, or nothing is said of how it moves", remedy)
     return STANDARD * mass
 
 

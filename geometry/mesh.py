@@ -386,12 +386,9 @@ def require_closed_volume(mesh: TriangleMesh, source: str, unit: LengthUnit = ME
     doubled_area = np.linalg.norm(np.cross(sides[:, 1], sides[:, 2]), axis=1)
     degenerate = doubled_area <= longest * ROUNDING * np.abs(t).max()
     if degenerate.any():
-        raise BadInput(
-            source=source,
-            problem=f"{_count(degenerate.sum(), 'face')} of {len(t)} without area, "
-            f"at {_places(t[degenerate].mean(axis=1), unit)}",
-            remedy="Merge doubled vertices and remove degenerate faces in the program that made the mesh, then export it again",
-        )
+        problem = f"{_count(degenerate.sum(), 'face')} of {len(t)} without area, at {_places(t[degenerate].mean(axis=1), unit)}"
+        remedy = "Merge doubled vertices and remove degenerate faces in the program that made the mesh, then export it again"
+        raise BadInput(source=source, problem=problem, remedy=remedy)
     _, first, count = np.unique(np.sort(mesh.faces, axis=1), axis=0, return_index=True, return_counts=True)
     doubled = first[count > 1]
     if doubled.size:
@@ -475,19 +472,15 @@ def _require_simple(mesh: TriangleMesh, source: str, unit: LengthUnit) -> tuple[
 
 
 def _misplaced(body: TriangleMesh, number: int, what: str, source: str, unit: LengthUnit) -> BadInput:
-    return BadInput(
-        source=source,
-        problem=f"piece {number + 1} ({_box(body.vertices, unit)}) is inside-out and {what}, so that it is no cavity",
-        remedy="Flip the normals of that piece if it is a body; if it is a cavity, leave a wall around it",
-    )
+    problem = f"piece {number + 1} ({_box(body.vertices, unit)}) is inside-out and {what}, so that it is no cavity"
+    remedy = "Flip the normals of that piece if it is a body; if it is a cavity, leave a wall around it"
+    return BadInput(source=source, problem=problem, remedy=remedy)
 
 
 def _overlap(what: str, volume: float, points: Array, source: str, unit: LengthUnit) -> BadInput:
-    return BadInput(
-        source=source,
-        problem=f"{what}: {_volume(volume, unit)} within {_box(points, unit)} would count twice",
-        remedy="Unite the pieces or cut one by the other in the program that made them; of a cavity, turn the normals inwards",
-    )
+    problem = f"{what}: {_volume(volume, unit)} within {_box(points, unit)} would count twice"
+    remedy = "Unite the pieces or cut one by the other in the program that made them; of a cavity, turn the normals inwards"
+    return BadInput(source=source, problem=problem, remedy=remedy)
 
 
 def _count(number: int, what: str) -> str:
@@ -580,11 +573,9 @@ def _parsed(content: bytes, ending: str, source: str) -> TriangleMesh:
 
 
 def _unreadable(ending: str, why: str, source: str) -> BadInput:
-    return BadInput(
-        source=source,
-        problem=f"no mesh can be read from it as {ending[1:].upper()} ({' '.join(why.split())[:200]})",
-        remedy="Check that the file is whole and what its ending says, and export it again",
-    )
+    problem = f"no mesh can be read from it as {ending[1:].upper()} ({' '.join(why.split())[:200]})"
+    remedy = "Check that the file is whole and what its ending says, and export it again"
+    return BadInput(source=source, problem=problem, remedy=remedy)
 
 
 # Door to trimesh: closed mesh -> `Inertia`, the second of the three routes, and mesh files -> `TriangleMesh`.

@@ -126,9 +126,8 @@ def read(path: Path) -> Robot:
         raise BadInput(source=str(path), problem=problem, remedy="Give a robot description, or a STEP or mesh file")
     names = [link.name for link in links]
     if doubled := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
-        raise BadInput(
-            source=str(path), field="name", problem=f"two links are called {doubled[0]!r}", remedy="Give each its own name"
-        )
+        problem = f"two links are called {doubled[0]!r}"
+        raise BadInput(source=str(path), field="name", problem=problem, remedy="Give each its own name")
     if not links:
         raise BadInput(source=str(path), problem="it has no link", remedy="Check that the file is whole")
     return Robot(name=root.get("name") or root.get("model") or path.stem, form=form, links=links)
@@ -293,9 +292,8 @@ class _Mjcf(_Numbers):
         self.of_geoms = compiler.get("inertiafromgeom", "auto") == "true"
         self.order = compiler.get("eulerseq", "xyz")
         if not re.fullmatch("[xyzXYZ]{3}", self.order):
-            raise BadInput(
-                source=str(path), field="eulerseq", problem=f"must be three axes, found {self.order!r}", remedy="Correct it"
-            )
+            problem = f"must be three axes, found {self.order!r}"
+            raise BadInput(source=str(path), field="eulerseq", problem=problem, remedy="Correct it")
         self.folder = path.parent / compiler.get("meshdir", compiler.get("assetdir", "."))
         self.classes: dict[str, dict[str, dict[str, str]]] = {"main": {}}
         for one in root.findall("default"):  # those of included files and of the file itself are one, whatever it is called
@@ -312,9 +310,8 @@ class _Mjcf(_Numbers):
                 self._include(child, folder, level)
                 continue
             if level > MOST_LEVELS:
-                raise BadInput(
-                    source=str(self.path), field="include", problem="files include each other without end", remedy="Correct it"
-                )
+                problem = "files include each other without end"
+                raise BadInput(source=str(self.path), field="include", problem=problem, remedy="Correct it")
             inner = _parsed(folder / child.get("file", ""))
             self._include(inner, folder, level + 1)
             element.remove(child)
@@ -343,9 +340,8 @@ class _Mjcf(_Numbers):
     def _inside(self, element: Element, child_class: str, place: Pose, level: int) -> Iterator[tuple[Element, str, Pose]]:
         """What stands in `element`, with its class and the place of the frames around it, which are no bodies themselves."""
         if level > MOST_LEVELS:
-            raise BadInput(
-                source=str(self.path), problem=f"more than {MOST_LEVELS} bodies within bodies", remedy="Check the file"
-            )
+            problem = f"more than {MOST_LEVELS} bodies within bodies"
+            raise BadInput(source=str(self.path), problem=problem, remedy="Check the file")
         for one in element:
             if one.tag == "frame":
                 yield from self._inside(one, one.get("childclass", child_class), place @ self.pose(one), level + 1)

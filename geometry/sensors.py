@@ -335,9 +335,8 @@ def coordinates_of(table: Mapping[str, Any], source: str) -> dict[str, list[floa
     for name, three in stated.items():
         field = f"coordinates.{name}"
         if not isinstance(three, list) or len(three) != 3:
-            raise BadInput(
-                source=source, field=field, problem=f"must be three lengths, found {three!r}", remedy="Write [0.1, 0.0, 0.2]"
-            )
+            problem = f"must be three lengths, found {three!r}"
+            raise BadInput(source=source, field=field, problem=problem, remedy="Write [0.1, 0.0, 0.2]")
         found[str(name)] = [
             float(toml_file.quantity(one, "length", source=source, field=field).n) if isinstance(one, str) else float(one)
             for one in three

@@ -120,9 +120,8 @@ def parse(text: str, name: str) -> dict[str, Any]:
     try:
         table: Any = json.loads(text, parse_constant=_refused_constant) if form == "JSON" else tomllib.loads(text)
     except ValueError as error:  # also what Python says of a whole number of thousands of digits
-        raise BadInput(
-            source=name, problem=f"it is not {form}: {error}", remedy="Correct the place that it names; .json is read as JSON"
-        ) from None
+        problem = f"it is not {form}: {error}"
+        raise BadInput(source=name, problem=problem, remedy="Correct the place that it names; .json is read as JSON") from None
     except RecursionError:
         raise _too_deep(name) from None
     if not isinstance(table, dict):
@@ -280,9 +279,8 @@ def require_present(table: Mapping[str, Any], needed: Collection[str], *, source
         if key not in table:
             like = difflib.get_close_matches(key, list(table), n=1)
             instead = f", found {like[0]!r} instead" if like else ""
-            raise BadInput(
-                source=source, field=f"{where}.{key}" if where else key, problem=f"is missing{instead}", remedy="Add it"
-            )
+            problem = f"is missing{instead}"
+            raise BadInput(source=source, field=f"{where}.{key}" if where else key, problem=problem, remedy="Add it")
 
 
 def require_table(value: object, *, source: str, where: str) -> dict[str, Any]:
@@ -564,9 +562,8 @@ def unit_among(text: str, units: Mapping[str, str], *, source: str, field: str) 
         found = registry.Quantity(1.0, registry.parse_units(re.sub(r"\bg\b", "g_0", text)))
     except Exception:  # pint raises its own, tokenize's and Python's errors on nonsense
         problem = f"the unit {text!r} is not known"
-        raise BadInput(
-            source=source, field=field, problem=problem, remedy=f"Write it like {next(iter(units.values()))}"
-        ) from None
+        remedy = f"Write it like {next(iter(units.values()))}"
+        raise BadInput(source=source, field=field, problem=problem, remedy=remedy) from None
     for name, si in units.items():
         if registry.Unit(si).dimensionality == found.dimensionality:
             return name, float(found.to(si).magnitude)

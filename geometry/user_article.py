@@ -124,9 +124,8 @@ def read(path: Path) -> Description:
     names = [part.name for part in parts]
     for name in names:
         if names.count(name) > 1:
-            raise BadInput(
-                source=source, field="part.name", problem=f"{name!r} names more than one part", remedy="Give each its own name"
-            )
+            problem = f"{name!r} names more than one part"
+            raise BadInput(source=source, field="part.name", problem=problem, remedy="Give each its own name")
     return Description(name=_text(article, "name", source, "article") or path.resolve().parent.name, parts=parts)
 
 
@@ -446,9 +445,8 @@ def require_file(path: str | Path) -> Path:
 def _unreadable(path: Path) -> BadInput:
     toml_file.require_no_other(path)
     problem = f"a file that ends in {path.suffix.lower() or 'nothing'} cannot be read"
-    return BadInput(
-        source=str(path), problem=problem, remedy=f"Give one of {', '.join(ENDINGS)}, or a robot's .urdf, .xml or .sdf"
-    )
+    remedy = f"Give one of {', '.join(ENDINGS)}, or a robot's .urdf, .xml or .sdf"
+    return BadInput(source=str(path), problem=problem, remedy=remedy)
 
 
 def _finished(name: str, parts: tuple[UserPart, ...], note: str, warnings: tuple[str, ...]) -> UserArticle:
@@ -482,13 +480,12 @@ def _parts(entry: PartEntry, chord: float | None, repair: bool) -> tuple[tuple[U
         missing = [name for name, found in materials.items() if found is None]
         if missing:
             rows = ", ".join(f'"{name}" = "..."' for name in missing)
-            raise BadInput(
-                source=str(entry.file),
-                field="material",
-                problem=f"no material is given for {', '.join(missing)}",
-                remedy=f"Give one for all (--material steel), or one for each in an {DESCRIPTION}: "
-                f'[[part]] name = "{entry.name}", file = "{entry.file.name}", materials = {{ {rows} }}',
+            problem = f"no material is given for {', '.join(missing)}"
+            remedy = (
+                f"Give one for all (--material steel), or one for each in an {DESCRIPTION}: "
+                f'[[part]] name = "{entry.name}", file = "{entry.file.name}", materials = {{ {rows} }}'
             )
+            raise BadInput(source=str(entry.file), field="material", problem=problem, remedy=remedy)
         parts: list[UserPart] = []
         for body, same in zip(found, cad.alike([body.solid for body in found]), strict=True):
             if (made := materials[body.name]) is None:

@@ -643,9 +643,8 @@ def write(
         runs[k] = replace(run, file=file)
     for k, run in enumerate(runs):
         if run.name not in campaign.recordings:
-            raise BadInput(
-                source=str(folder), field=f"run.{run.name}", problem="has no recording", remedy="Record or read it first"
-            )
+            problem = "has no recording"
+            raise BadInput(source=str(folder), field=f"run.{run.name}", problem=problem, remedy="Record or read it first")
         path = inside(folder, run.file, str(folder), f"run.{run.name}.file")
         files.write(path, _signals(campaign.recordings[run.name], campaign))
         if progress is not None:

@@ -95,12 +95,8 @@ def quotient(load: npt.ArrayLike, motion: npt.ArrayLike, axis: str) -> ComplexAr
 
 
 def _refused(field: str, problem: str) -> BadInput:
-    return BadInput(
-        source="dynamic mass from runs",
-        field=field,
-        problem=problem,
-        remedy="Give the spectra of every run on the same lines, each of the six axes driven in a run of its own",
-    )
+    remedy = "Give the spectra of every run on the same lines, each of the six axes driven in a run of its own"
+    return BadInput(source="dynamic mass from runs", field=field, problem=problem, remedy=remedy)
 
 
 # What the simple quotient of the driven axis costs beside six runs solved together.

@@ -231,13 +231,12 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
     for one in pieces:
         step, other = float(np.median(np.diff(f))), float(np.median(np.diff(one.frequency)))
         if abs(other - step) > 1e-6 * step or np.abs(one.frequency[:n] - f).max() > 0.01 * step:
-            raise BadInput(
-                source=one.source,
-                field=f"{one.response.name} over {one.drive.name}",
-                problem=f"has lines {other:.6g} Hz apart from {one.frequency[0]:g} Hz on, and {first.response.name} over "
-                f"{first.drive.name} of {first.source} has them {step:.6g} Hz apart from {f[0]:g} Hz on",
-                remedy="Export all functions with one resolution, or make a test of each",
+            problem = (
+                f"has lines {other:.6g} Hz apart from {one.frequency[0]:g} Hz on, and {first.response.name} over "
+                f"{first.drive.name} of {first.source} has them {step:.6g} Hz apart from {f[0]:g} Hz on"
             )
+            remedy = "Export all functions with one resolution, or make a test of each"
+            raise BadInput(source=one.source, field=f"{one.response.name} over {one.drive.name}", problem=problem, remedy=remedy)
     longest = max(len(one.frequency) for one in pieces)
     if longest > n:
         warnings.append(f"{first.source} ends at {f[-1]:g} Hz; {longest - n} lines above that other functions have are left out")
@@ -253,13 +252,11 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
         by_pair[pair] = one
     missing = [f"{response} over {drive}" for drive in drives for response in responses if (drive, response) not in by_pair]
     if missing:
-        raise BadInput(
-            source=source,
-            field="files",
-            problem=f"of {len(drives)} references and {len(responses)} responses these are missing: {', '.join(missing[:4])}"
-            + (f" and {len(missing) - 4} more" if len(missing) > 4 else ""),
-            remedy="Add the file, or make a test of each reference that has other responses",
+        problem = f"of {len(drives)} references and {len(responses)} responses these are missing: {', '.join(missing[:4])}" + (
+            f" and {len(missing) - 4} more" if len(missing) > 4 else ""
         )
+        remedy = "Add the file, or make a test of each reference that has other responses"
+        raise BadInput(source=source, field="files", problem=problem, remedy=remedy)
     values = np.array([[by_pair[d, c].values[:n] for c in responses] for d in drives]).transpose(0, 2, 1)
     read = np.flatnonzero(np.any(values != 0, axis=(0, 2)))
     low, high = (0, n) if len(read) < 2 else (int(read[0]) if read[0] > 1 else 0, int(read[-1]) + 1)  # zero at 0 Hz is none
@@ -672,13 +669,11 @@ def _of_signals(
     found = []
     for (name, *_), one in zip(names, responses, strict=True):
         if name not in signals.samples:
-            raise BadInput(
-                source=str(path), field=one.name, problem=f"no vector is called {name!r}", remedy=f"There are {', '.join(known)}"
-            )
+            problem = f"no vector is called {name!r}"
+            raise BadInput(source=str(path), field=one.name, problem=problem, remedy=f"There are {', '.join(known)}")
         if not np.iscomplexobj(signals.samples[name]):
-            raise BadInput(
-                source=str(path), field=name, problem="is real, and complex functions are needed", remedy="Save them complex"
-            )
+            problem = "is real, and complex functions are needed"
+            raise BadInput(source=str(path), field=name, problem=problem, remedy="Save them complex")
         found.append(np.asarray(signals.samples[name], dtype=np.complex128))
     return signals.frequency, found
 
@@ -720,9 +715,8 @@ def _of_text(
     named = {**(called or {}), **named}
     if not all(one.name in named for one in responses) and len(rest) != each * len(responses):
         problem = f"it has {len(rest)} columns beside the frequency, neither one nor two for each of {len(responses)} responses"
-        raise BadInput(
-            source=str(path), field="responses", problem=problem, remedy="Name all of them in order, or state `columns`"
-        )
+        remedy = "Name all of them in order, or state `columns`"
+        raise BadInput(source=str(path), field="responses", problem=problem, remedy=remedy)
     places = [
         [text.column(name, f"columns.{one.name}") for name in named[one.name]]
         if one.name in named

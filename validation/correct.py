@@ -258,9 +258,8 @@ def _shunt(campaign: Campaign, named: Named) -> Corrected:
         elif np.ptp(along) > PARALLEL:
             problem = f"{channel.name} adds up cells of several directions, which lost different shares"
         if problem:
-            raise BadInput(
-                source=named.id, problem=problem, remedy="Give the cells' own channels, or add the effect to the model"
-            )
+            remedy = "Give the cells' own channels, or add the effect to the model"
+            raise BadInput(source=named.id, problem=problem, remedy=remedy)
         shares[channel.name] = along[0]
     factors = {name: 1 / (1 - named.value * share) for name, share in shares.items() if share > PARALLEL}
     if not factors:

@@ -124,11 +124,10 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
     for k, one in enumerate(described):
         for other in described[:k]:  # one article on two FMDs is two series, whatever the model says
             if one.article == other.article and one.hardware != other.hardware and one.hardware and other.hardware:
+                problem = f"is {one.hardware}, and that of {other.source}, also of {one.article}, is {other.hardware}"
+                remedy = "Another FMD has other sensors: compare each series with a model of its own"
                 raise BadInput(
-                    source=f"{one.source}/{campaign_file.NAME}",
-                    field="campaign.hardware",
-                    problem=f"is {one.hardware}, and that of {other.source}, also of {one.article}, is {other.hardware}",
-                    remedy="Another FMD has other sensors: compare each series with a model of its own",
+                    source=f"{one.source}/{campaign_file.NAME}", field="campaign.hardware", problem=problem, remedy=remedy
                 )
     if described:
         require_pair(model, described)
@@ -225,9 +224,8 @@ def _require_once(paths: Sequence[str]) -> None:
         where = Path(path).resolve()
         if where in seen:
             same = "is named twice" if seen[where] == path else f"is the same as {seen[where]}"
-            raise BadInput(
-                source="DATA", field=path, problem=same, remedy="Data that count twice are trusted twice: name it once"
-            )
+            remedy = "Data that count twice are trusted twice: name it once"
+            raise BadInput(source="DATA", field=path, problem=same, remedy=remedy)
         seen[where] = path
 
 

@@ -205,13 +205,11 @@ def flexible(name: str, structure: Structure, modes: Modes, *, places: Places = 
     BadInput : modes without shapes or of another structure, a place with no point near it, factors that do not fit in memory.
     """
     if len(modes.shapes) != structure.mass.shape[0]:
-        raise BadInput(
-            source=f"body {name}",
-            field="modes",
-            problem=f"shapes on all {structure.mass.shape[0]} degrees of freedom of the structure are needed, found "
-            f"{len(modes.shapes)}",
-            remedy="Bring the modes of this structure, or use modal data alone",
+        problem = (
+            f"shapes on all {structure.mass.shape[0]} degrees of freedom of the structure are needed, found {len(modes.shapes)}"
         )
+        remedy = "Bring the modes of this structure, or use modal data alone"
+        raise BadInput(source=f"body {name}", field="modes", problem=problem, remedy=remedy)
     held = hold(structure)
     X = static_shapes(held.stiffness, held.mass, held.load, modes.shapes[held.free])
     squares, V = np.linalg.eigh(X.T @ (held.stiffness @ X))

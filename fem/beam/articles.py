@@ -118,9 +118,8 @@ class Joint:
         for name in ("stiffness",) if self.mass is None else ("stiffness", "mass"):
             matrix = frozen(getattr(self, name), (size, size), name)
             if not np.allclose(matrix, matrix.T, rtol=0, atol=1e-9 * np.abs(matrix).max(initial=0)):
-                raise BadInput(
-                    source="joint of Clumod", field=name, problem="must be symmetric", remedy="Check the order of ports"
-                )
+                problem = "must be symmetric"
+                raise BadInput(source="joint of Clumod", field=name, problem=problem, remedy="Check the order of ports")
             object.__setattr__(self, name, matrix)
 
 
@@ -351,13 +350,11 @@ def article_plan(
     built_in(article_name, changes)  # checks names, order and changes of the whole stack
     names = article_name.split("+")
     if elements < 1:
-        raise _refused(
-            article_name, "elements", f"at least one element is needed, found {elements}", "Give a whole number from 1 on"
-        )
+        remedy = "Give a whole number from 1 on"
+        raise _refused(article_name, "elements", f"at least one element is needed, found {elements}", remedy)
     if cells is not None and "fmd" not in names:
-        raise _refused(
-            article_name, "cells", "there is no FMD whose load cells could be springs", "Name a stack that begins with fmd"
-        )
+        remedy = "Name a stack that begins with fmd"
+        raise _refused(article_name, "cells", "there is no FMD whose load cells could be springs", remedy)
     if joints and not BLADES.keys() & set(names):
         raise _refused(article_name, "joints", "there is no Clumod whose crossings could have joints", "Leave the joints away")
     plans = [_plan(name, changes, elements, cells, joints) for name in names]

@@ -81,9 +81,8 @@ def able_to_turn(plan: Plan) -> Plan:
     for node, body in _carried(filled).items():
         if not judge(body).physical:
             problem = f"more material is taken away at node {node} than there is, {judge(body).text}"
-            raise BadInput(
-                source="large motion", field="bodies", problem=problem, remedy="Take it as one rigid body, without elements"
-            )
+            remedy = "Take it as one rigid body, without elements"
+            raise BadInput(source="large motion", field="bodies", problem=problem, remedy=remedy)
     return filled
 
 

@@ -202,9 +202,8 @@ def swings(work: Ropework, pose: Pose) -> Swings:
         Z, K = null_space(G), H
     values, vectors = eigh(Z.T @ K @ Z, Z.T @ M @ Z)
     if values[0] <= NEUTRAL * work.gravity / float(work.link_lengths.max() * work.links):
-        raise refused(
-            "height", "the body would tip over: it does not come back from a tilt", "Tie the ropes higher above the CoG"
-        )
+        remedy = "Tie the ropes higher above the CoG"
+        raise refused("height", "the body would tip over: it does not come back from a tilt", remedy)
     shapes = Z @ vectors
     shares = shapes[VERTICAL] ** 2 * M[VERTICAL, VERTICAL]  # of the twist in the energy of each mode, which is one half
     twist = int(np.argmax(shares))

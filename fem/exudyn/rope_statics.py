@@ -86,9 +86,8 @@ class Suspension:
         if self.stiffness is not None:
             require_positive("stiffness", self.stiffness, "N")
         if not (np.isfinite(self.rope_mass) and self.rope_mass >= 0):
-            raise refused(
-                "rope_mass", f"it cannot be negative, found {self.rope_mass:.6g} kg", "Give the mass of all ropes together"
-            )
+            remedy = "Give the mass of all ropes together"
+            raise refused("rope_mass", f"it cannot be negative, found {self.rope_mass:.6g} kg", remedy)
         if self.links > MOST_LINKS:
             raise refused("links", f"at most {MOST_LINKS} a rope are simulated, found {self.links}", f"Use {MOST_LINKS} or fewer")
         if self.links < 1 or (self.links > 1 and self.rope_mass == 0):
@@ -96,9 +95,8 @@ class Suspension:
             raise refused("links", f"ropes of {self.rope_mass:.6g} kg cannot have {self.links} links", remedy)
         for name in ("damping_ratio", "stretch_damping"):
             if not 0 <= getattr(self, name) < 1:
-                raise refused(
-                    name, f"it must be from 0 to below 1, found {getattr(self, name):.6g}", "A ratio of 1 no longer swings"
-                )
+                remedy = "A ratio of 1 no longer swings"
+                raise refused(name, f"it must be from 0 to below 1, found {getattr(self, name):.6g}", remedy)
         if self.start not in ("twist", "push"):
             raise refused("start", f"found {self.start!r}", "Start from a held twist or with a push")
 

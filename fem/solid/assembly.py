@@ -304,13 +304,12 @@ def base(mesh: SolidMesh) -> Integers:
     on = _on_the_plane(mesh)
     if not np.any(_held_cells(mesh, on)):
         lowest = mesh.points[np.argmin(mesh.points[:, 2])]
-        raise BadInput(
-            source="mesh",
-            field="base",
-            problem=f"no face lies on the lowest plane: the article meets z = {1e3 * lowest[2]:.4g} mm in {int(on.sum())} "
-            f"node(s) only, the lowest at {_place(lowest)}, and cannot be held there",
-            remedy="Turn it so that its mounting face is a plane and points down, or add the foot it stands on",
+        problem = (
+            f"no face lies on the lowest plane: the article meets z = {1e3 * lowest[2]:.4g} mm in {int(on.sum())} "
+            f"node(s) only, the lowest at {_place(lowest)}, and cannot be held there"
         )
+        remedy = "Turn it so that its mounting face is a plane and points down, or add the foot it stands on"
+        raise BadInput(source="mesh", field="base", problem=problem, remedy=remedy)
     return np.flatnonzero(on)
 
 
@@ -345,13 +344,12 @@ def require_connected(mesh: SolidMesh) -> None:
         where = _place(mesh.points[own[nearest]])
         said.append(f"{names} (its node at {where} is {1e3 * distance[nearest]:.3g} mm from the nearest other)")
     more = f"; and {len(loose) - 3} more" if len(loose) > 3 else ""
-    raise BadInput(
-        source="mesh",
-        field="parts",
-        problem=f"{len(loose)} {'body is' if len(loose) == 1 else 'bodies are'} not joined to the base by any face: "
-        f"{'; '.join(said)}{more}",
-        remedy="Let the faces coincide in the CAD, or add what joins the bodies",
+    problem = (
+        f"{len(loose)} {'body is' if len(loose) == 1 else 'bodies are'} not joined to the base by any face: "
+        f"{'; '.join(said)}{more}"
     )
+    remedy = "Let the faces coincide in the CAD, or add what joins the bodies"
+    raise BadInput(source="mesh", field="parts", problem=problem, remedy=remedy)
 
 
 def require_upright(mesh: SolidMesh) -> None:

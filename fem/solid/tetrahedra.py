@@ -469,13 +469,12 @@ def _count(mesh: Any, dimension: int) -> int:
 def _refuse_above(sizes: Sizing, found: int, words: str) -> None:
     if found > sizes.largest:
         given = "none" if sizes.size is None else f"{1e3 * sizes.size:g} mm"
-        raise BadInput(
-            source="mesh",
-            field="size",
-            problem=f"the mesh would have {words}{found:,} degrees of freedom, {sizes.largest:,} are allowed "
-            f"(size given: {given}, fineness {sizes.fineness:g})",
-            remedy="Give a larger element size or a smaller fineness, or allow more",
+        problem = (
+            f"the mesh would have {words}{found:,} degrees of freedom, {sizes.largest:,} are allowed "
+            f"(size given: {given}, fineness {sizes.fineness:g})"
         )
+        remedy = "Give a larger element size or a smaller fineness, or allow more"
+        raise BadInput(source="mesh", field="size", problem=problem, remedy=remedy)
 
 
 # --- second order ---------------------------------------------------------------------------------------------------------

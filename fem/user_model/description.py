@@ -200,15 +200,13 @@ def _stated(value: Any, units: UnitSystem, source: str) -> Stated:
     cog = parts.point(table["cog"], units, source, "stated.cog") if "cog" in table else None
     where, listed = "stated.frequencies", table.get("frequencies", [])
     if not isinstance(listed, list):
-        raise toml_file.wrong(
-            listed, "a list of frequencies with their unit", source, where, 'Write it like ["118.2 Hz", "227 +/- 1 Hz"]'
-        )
+        remedy = 'Write it like ["118.2 Hz", "227 +/- 1 Hz"]'
+        raise toml_file.wrong(listed, "a list of frequencies with their unit", source, where, remedy)
     each = [quantity(one, "frequency", source=source, field=where) for one in listed]
     frequencies = np.array(sorted((one.nominal_value, one.std_dev) for one in each), dtype=np.float64).reshape(-1, 2)
     if np.any(frequencies[:, 0] <= 0):
-        raise toml_file.wrong(
-            listed, "positive", source, where, "Leave out the rigid motions of a free structure, which are at 0 Hz"
-        )
+        remedy = "Leave out the rigid motions of a free structure, which are at 0 Hz"
+        raise toml_file.wrong(listed, "positive", source, where, remedy)
     if "mass" not in table:
         return Stated(cog=cog, frequencies=frequencies)
     mass = quantity(table["mass"], "mass", source=source, field="stated.mass")

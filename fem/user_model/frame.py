@@ -91,9 +91,8 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
         raise toml_file.wrong(count, "a whole number from 1 to 1000", source, f"{place}.count", "How many stand side by side")
     pieces = table.get("elements", 1)
     if isinstance(pieces, bool) or not isinstance(pieces, int) or not 1 <= pieces <= 100:
-        raise toml_file.wrong(
-            pieces, "a whole number from 1 to 100", source, f"{where}.elements", "How many beams a member is made of"
-        )
+        remedy = "How many beams a member is made of"
+        raise toml_file.wrong(pieces, "a whole number from 1 to 100", source, f"{where}.elements", remedy)
     points, members, ports = list(nodes.values()), list[frame.Member](), list[frame.Ports]()
     own = max(section.bending_y, section.bending_z, section.torsion)
 

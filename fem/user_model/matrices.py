@@ -512,9 +512,8 @@ def modes(contents: Contents, description: Description) -> Modes:
     if wrong.size:
         found = ratio[wrong[0]]
         problem = f"must be at least 0 and below 1, found {found:.6g} for mode {wrong[0] + 1}"
-        raise contents.refused(
-            "damping_ratio", problem, "Write the share of critical damping, 0.01 for 1 %" if found >= 1 else "Correct it"
-        )
+        remedy = "Write the share of critical damping, 0.01 for 1 %" if found >= 1 else "Correct it"
+        raise contents.refused("damping_ratio", problem, remedy)
     omega = 2 * np.pi * frequency
     if viscous is None:
         viscous = np.diag(2 * ratio * omega - (0 if structural is None else np.diag(structural) / omega))
@@ -524,9 +523,8 @@ def modes(contents: Contents, description: Description) -> Modes:
     mode = int(np.argmax(off))
     if off[mode] > 1e-3 * ratio[mode] + 1e-9 or np.any(np.diag(viscous) < -1e-9 * omega):
         problem = f"is {ratio[mode]:.6g} for mode {mode + 1} where the damping matrices make it {equivalent[mode]:.6g}"
-        raise contents.refused(
-            "damping_ratio", problem, "Write (C_rr + S_rr / omega_r) / (2 omega_r), with C in rad/s and S in rad²/s²"
-        )
+        remedy = "Write (C_rr + S_rr / omega_r) / (2 omega_r), with C in rad/s and S in rad²/s²"
+        raise contents.refused("damping_ratio", problem, remedy)
     return Modes(
         frequency=frequency,
         damping_ratio=ratio,

@@ -272,7 +272,6 @@ def _positive(value: Any, dimension: str, units: UnitSystem, source: str, where:
 
 def _share(value: Any, source: str, where: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value < 1:
-        raise toml_file.wrong(
-            value, "a standard deviation relative to the value, above 0 and below 1", source, where, "5 % is 0.05"
-        )
+        remedy = "5 % is 0.05"
+        raise toml_file.wrong(value, "a standard deviation relative to the value, above 0 and below 1", source, where, remedy)
     return float(value)

@@ -251,7 +251,6 @@ def _fill(path: Path, signals: Signals) -> None:
 def _one_dimensional(found: Samples, name: str, source: str) -> Samples:
     if found.ndim != 1:
         shape = " x ".join(map(str, found.shape)) or "a single number"
-        raise BadInput(
-            source=source, field=name, problem=f"must have one dimension, found {shape}", remedy="Write it as a vector"
-        )
+        problem = f"must have one dimension, found {shape}"
+        raise BadInput(source=source, field=name, problem=problem, remedy="Write it as a vector")
     return found

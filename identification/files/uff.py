@@ -353,9 +353,8 @@ def read(path: Path) -> Signals:
             problem = (
                 f"has the function type {kinds[name]}, where {TIME_RESPONSE} (time response) or {SPECTRUM} (spectrum) is read"
             )
-            raise BadInput(
-                source=source, field=name, problem=problem, remedy="Export the recorded signals, not what was made of them"
-            )
+            remedy = "Export the recorded signals, not what was made of them"
+            raise BadInput(source=source, field=name, problem=problem, remedy=remedy)
     if len(set(kinds.values())) > 1:
         odd = next(name for name in kinds if kinds[name] != next(iter(kinds.values())))
         problem = "is a spectrum beside time histories, or the other way round"

@@ -375,9 +375,8 @@ def struck(found: Sequence[Blow], rate: float, *, decay: float = 0.0, estimator:
     warnings = [f"{source}: the blow at {one.at:.4g} s is left out, {one.fault}" for one in found if one.fault]
     if not good:
         said = "; ".join(f"at {one.at:.4g} s {one.fault}" for one in found)
-        raise BadInput(
-            source=source, field="force", problem=f"none of {len(found)} blows can be used: {said}", remedy="Strike again"
-        )
+        problem = f"none of {len(found)} blows can be used: {said}"
+        raise BadInput(source=source, field="force", problem=problem, remedy="Strike again")
     size = min(len(one.force) for one in good)
     time = np.arange(size) / rate
     window = np.exp(-time / decay) if decay > 0 else np.ones(size)

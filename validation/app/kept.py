@@ -267,9 +267,8 @@ def moved(text: str, model: Path, to: Path) -> str:
         problem = (
             "the paths of your own models do not stand one a line in [structure.own], and cannot be said from another folder"
         )
-        raise BadInput(
-            source=str(model), field="structure.own", problem=problem, remedy='Write "article" = "path" on lines there'
-        )
+        remedy = 'Write "article" = "path" on lines there'
+        raise BadInput(source=str(model), field="structure.own", problem=problem, remedy=remedy)
     return found
 
 

@@ -424,9 +424,8 @@ def sorted_out(folder: str | Path) -> Received:
     """
     where = Path(folder)
     if not where.is_dir():
-        raise BadInput(
-            source=str(folder), problem="there is no such folder", remedy="Name the folder of a campaign or of a series"
-        )
+        problem = "there is no such folder"
+        raise BadInput(source=str(folder), problem=problem, remedy="Name the folder of a campaign or of a series")
     models: list[str] = []
     data: list[str] = []
     for path in _looked_through(where, DEEP):

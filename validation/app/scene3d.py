@@ -207,9 +207,8 @@ def shape(of: Session, found: Compared, campaign: str, number: int) -> Shape:
         raise BadInput(source=campaign, field="mode", problem=problem, remedy="Choose one of them")
     if model.kind != BEAM or standing.article in model.own or not set(standing.article.split("+")) <= set(NAMES):
         problem = "its bodies are not known: it is rigid, or a model of your own"
-        raise BadInput(
-            source=standing.article, field="mode", problem=problem, remedy="Look at the curves; its frequency stands there"
-        )
+        remedy = "Look at the curves; its frequency stands there"
+        raise BadInput(source=standing.article, field="mode", problem=problem, remedy=remedy)
     bodies = _of_beams(standing.article, tuple(sorted(changes_of(standing.article, model.changes).items())), model.modes)
     from scipy.linalg import eigh
 

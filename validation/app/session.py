@@ -687,9 +687,8 @@ def _read(path: Path) -> dict[str, Any]:
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
-        raise BadInput(
-            source=str(path.parent), problem="there is no desk here", remedy="Begin one with a model and data"
-        ) from None
+        problem = "there is no desk here"
+        raise BadInput(source=str(path.parent), problem=problem, remedy="Begin one with a model and data") from None
     except (ValueError, RecursionError):
         raise _damaged(path.parent, f"its {path.name} cannot be read") from None
     if not isinstance(found, dict):

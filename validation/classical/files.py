@@ -110,9 +110,8 @@ class Fields:
         """The whole number under `key`, at least `least`, or `default`."""
         value = self.table.get(key, default)
         if not isinstance(value, int) or isinstance(value, bool) or value < least:
-            raise self.refused(
-                key, f"a whole number, {least} or more, is expected, found {value!r}", "Write it without unit and quotes"
-            )
+            remedy = "Write it without unit and quotes"
+            raise self.refused(key, f"a whole number, {least} or more, is expected, found {value!r}", remedy)
         return value
 
     def switch(self, key: str, default: bool) -> bool:
@@ -355,9 +354,8 @@ def reduce(file: Fields, keys: tuple[str, ...] = _PUBLISHABLE) -> Reduction:
             value = file.inner(key).only(("value",)).quantity("value", _DIMENSIONS[QUANTITIES[key][1]])
             results[key] = tagged(value.nominal_value, value.std_dev, "assumed tolerance" if assumed else "stated tolerance")
     if not results:
-        raise BadInput(
-            source=file.source, problem=f"it holds none of {', '.join(keys)}", remedy="Use weigh, cog or pendulum as fits"
-        )
+        problem = f"it holds none of {', '.join(keys)}"
+        raise BadInput(source=file.source, problem=problem, remedy="Use weigh, cog or pendulum as fits")
     return Reduction(
         title=file.text("title", "Published results"),
         origin=file.text("origin", "origin not stated"),

@@ -663,9 +663,8 @@ def _period(entry: Fields) -> tuple[UFloat, Decay | None, tuple[str, ...]]:
         if columns.ndim == 2 and np.all(np.isnan(columns[0])):
             columns = columns[1:]  # a line of headings
         if columns.ndim != 2 or columns.shape[1] != 2:
-            raise entry.refused(
-                "signal", f"{path} has shape {columns.shape}", "Two columns, time in s and the signal, comma between"
-            )
+            remedy = "Two columns, time in s and the signal, comma between"
+            raise entry.refused("signal", f"{path} has shape {columns.shape}", remedy)
         decay = from_signal(columns[:, 0], columns[:, 1], source)
         return decay.period, decay, decay.notes
     if ways == ["period"]:

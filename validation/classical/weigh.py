@@ -109,9 +109,8 @@ def reduce(file: Fields) -> Reduction:
         net.append(gross - scale.reading(entry.quantity("tare", "mass", "tare reading")) if tared else gross)
     weighed = scale.mean(net)
     if weighed.nominal_value <= 0:
-        raise file.refused(
-            "reading", f"the net mass must be positive, found {weighed.nominal_value:.6g} kg", "Check gross and tare"
-        )
+        remedy = "Check gross and tare"
+        raise file.refused("reading", f"the net mass must be positive, found {weighed.nominal_value:.6g} kg", remedy)
     # Mass over weighing; None where the densities are not stated and not wanted
     fields = file.inner("buoyancy").only(("apply", "air_density", "weights_density", "article_density"))
     applied = fields.switch("apply", False)
@@ -214,11 +213,8 @@ def reduce_cog(file: Fields) -> Reduction:
     )
     if reading.nominal_value >= mass.nominal_value:
         carried = f"the balance carries {reading.nominal_value:.6g} kg of {mass.nominal_value:.6g} kg"
-        raise file.refused(
-            "reading",
-            f"{carried}: the rope would have to push",
-            "Check the mass, the tare of the supports and the reading; the CoG lies between rope and support",
-        )
+        remedy = "Check the mass, the tare of the supports and the reading; the CoG lies between rope and support"
+        raise file.refused("reading", f"{carried}: the rope would have to push", remedy)
     gravity = file.positive("gravity", "acceleration") if "gravity" in file.table else exact(STANDARD_GRAVITY)
     fields = file.inner("distances").only(("rope", "support", "inclination", "rope_offset", "support_offset"))
     rope, support = (fields.quantity(key, "length", f"{key} position") for key in ("rope", "support"))
@@ -226,9 +222,8 @@ def reduce_cog(file: Fields) -> Reduction:
         raise fields.refused("support", "rope and support are at one place: no lever", "Measure both from the article's bottom")
     lean = fields.quantity_or_zero("inclination", "angle")
     if abs(lean.nominal_value) > 0.8:
-        raise fields.refused(
-            "inclination", f"above 45 deg it is no lever, found {lean.nominal_value:.3g} rad", "Lay the article down"
-        )
+        remedy = "Lay the article down"
+        raise fields.refused("inclination", f"above 45 deg it is no lever, found {lean.nominal_value:.3g} rad", remedy)
     offsets = {key: fields.quantity_or_zero(key, "length") for key in ("rope_offset", "support_offset")}
     height = cog_height(mass=mass, reading=reading, rope=rope, support=support, inclination=lean, **offsets)
     return Reduction(

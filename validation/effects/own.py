@@ -164,9 +164,8 @@ def _require(noun: Any, rules: Mapping[str, Rule], where: str, source: str) -> N
     for field, (holds, words) in rules.items():
         value = getattr(noun, field)
         if not holds(value):
-            raise BadInput(
-                source=source, field=f"{where}{field}", problem=f"must be {words}, found {value!r}", remedy="Correct it"
-            )
+            problem = f"must be {words}, found {value!r}"
+            raise BadInput(source=source, field=f"{where}{field}", problem=problem, remedy="Correct it")
 
 
 # Stages to try an equation on, and the sizes at which it must change nothing.

@@ -180,9 +180,8 @@ def _known(word: str, known: Collection[str], option: str, what: str) -> str:
     if word in known:
         return word
     near = toml_file.nearest(word, known)
-    raise BadInput(
-        source=option, problem=f"no {what} is called {word!r}", remedy=f"{near}Known are {', '.join(known)}: {EXAMPLES[option]}"
-    )
+    problem = f"no {what} is called {word!r}"
+    raise BadInput(source=option, problem=problem, remedy=f"{near}Known are {', '.join(known)}: {EXAMPLES[option]}")
 
 
 def _once(already: bool, option: str, what: str) -> None:

@@ -62,14 +62,11 @@ def facts(files: Iterable[str], campaign: Campaign, *, tared: bool) -> tuple[tup
         elif reduction.article == article:
             about = about_words
         else:
-            raise BadInput(
-                source=name,
-                field="article.name",
-                problem=f"it is about {reduction.article}, what is identified from {campaign.source} is {article}",
-                remedy="A tare takes the FMD off: --tare CAMPAIGN"
-                if article == f"fmd+{reduction.article}"
-                else "Leave the file out",
+            problem = f"it is about {reduction.article}, what is identified from {campaign.source} is {article}"
+            remedy = (
+                "A tare takes the FMD off: --tare CAMPAIGN" if article == f"fmd+{reduction.article}" else "Leave the file out"
             )
+            raise BadInput(source=name, field="article.name", problem=problem, remedy=remedy)
         words += about
         found += [fact for key, value in reduction.results.items() for fact in _facts(key, value, name, campaign)]
     return tuple(found), tuple(words)
@@ -165,9 +162,8 @@ class IdentifyOptions:
         else:
             if not text.isdecimal() or int(text) > MOST_MODES:
                 modes_problem = f"auto or a whole number from 0 to {MOST_MODES} is expected, found {text!r}"
-                raise BadInput(
-                    source="--modes", problem=modes_problem, remedy="0 takes the article for rigid; auto lets the data choose"
-                )
+                remedy = "0 takes the article for rigid; auto lets the data choose"
+                raise BadInput(source="--modes", problem=modes_problem, remedy=remedy)
             modes = int(text)
         tolerances = tolerances_of(self.tolerances)
         if self.cell_stiffness is not None and not all(isfinite(k) and k > 0 for k in self.cell_stiffness):
@@ -253,17 +249,15 @@ def ready(
     words: list[str] = []
     for tare in () if asked.any_hardware else below:
         if tare.hardware and described.hardware and tare.hardware != described.hardware:
+            problem = f"is {tare.hardware}, that of {described.source} is {described.hardware}: another FMD, other sensors"
+            remedy = "Such a tare says nothing about this FMD; --any-hardware combines the two all the same, and says so"
             raise BadInput(
-                source=f"{tare.source}/{campaign_file.NAME}",
-                field="campaign.hardware",
-                problem=f"is {tare.hardware}, that of {described.source} is {described.hardware}: another FMD, other sensors",
-                remedy="Such a tare says nothing about this FMD; --any-hardware combines the two all the same, and says so",
+                source=f"{tare.source}/{campaign_file.NAME}", field="campaign.hardware", problem=problem, remedy=remedy
             )
     for tare, name in zip(below, names, strict=True):
         if Path(tare.source).resolve() == Path(described.source).resolve():
-            raise BadInput(
-                source="--tare", problem=f"{tare.source} is the campaign itself", remedy="Name the campaign of the known article"
-            )
+            problem = f"{tare.source} is the campaign itself"
+            raise BadInput(source="--tare", problem=problem, remedy="Name the campaign of the known article")
         words += known(name or above_fmd(tare.article) or "fmd", tare, _source(name, tare))[1]
     data, said = facts(asked.classical, described, tared=bool(below) or asked.fmd is not None)
     words += [*said, *asked.band_within(described)]

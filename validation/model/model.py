@@ -256,13 +256,11 @@ def require_pair(model: Model, campaigns: Sequence[Campaign]) -> None:
         problem = difference(of_hardware.setdefault(campaign.hardware, campaign), campaign)
         if problem:
             what = f"hardware {campaign.hardware}" if campaign.hardware else "hardware, as none is stated"
-            raise BadInput(
-                source=str(Path(campaign.source) / NAME),
-                field="channel",
-                problem=f"{problem}; both have the same {what}",
-                remedy="Correct the table that is wrong, or give what was changed between the tests a `campaign.hardware` of its "
-                "own",
+            problem = f"{problem}; both have the same {what}"
+            remedy = (
+                "Correct the table that is wrong, or give what was changed between the tests a `campaign.hardware` of its own"
             )
+            raise BadInput(source=str(Path(campaign.source) / NAME), field="channel", problem=problem, remedy=remedy)
     for added in model.effects:
         require_target(model, campaigns, added.named, model.source)
 

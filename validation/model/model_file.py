@@ -249,9 +249,8 @@ def _inertia(table: Fields) -> Inertia | None:
     )
     verdict = judge(found)
     if not verdict.physical:
-        raise table.refused(
-            "moi_cog_kgm2", f"no body has this inertia: {verdict.text}", "Give moments and products about the CoG"
-        )
+        remedy = "Give moments and products about the CoG"
+        raise table.refused("moi_cog_kgm2", f"no body has this inertia: {verdict.text}", remedy)
     return found
 
 

@@ -53,9 +53,8 @@ def read(settings: Sequence[str]) -> dict[str, float]:
         try:
             number_value = float(value)
         except ValueError:
-            raise _refused(
-                key, f"a number is expected, found {value!r}", "Write it alone, in the unit that the key names"
-            ) from None
+            remedy = "Write it alone, in the unit that the key names"
+            raise _refused(key, f"a number is expected, found {value!r}", remedy) from None
         if not math.isfinite(number_value) or abs(number_value) > LARGEST:
             raise _refused(key, f"no dimension has this size, found {value}", "Check the number and the unit that the key names")
         changes[key] = number_value
@@ -583,9 +582,8 @@ def read_result(name: str, *, article: str, frame: Pose | None = None, way: str 
     else:
         key = way.replace("-", "_")
         if not isinstance(table.get(key), dict):
-            raise BadInput(
-                source=name, field=key, problem=f"there is no {way} result", remedy="Give the JSON of `massline identify`"
-            )
+            problem = f"there is no {way} result"
+            raise BadInput(source=name, field=key, problem=problem, remedy="Give the JSON of `massline identify`")
         of_way = {**table, **{part: table[key].get(part) for part in ("inertia", "interval95")}}
     return StatedResult(statement=_statement(of_way, name, article, frame), warnings=warnings)
 
@@ -618,13 +616,11 @@ def _statement(table: dict[str, Any], name: str, article: str, frame: Pose | Non
         if not table.get("frame"):
             return said
         return seen_from(said, pose_of(table["frame"], name).inverse @ (frame or Pose()))
-    raise BadInput(
-        source=name,
-        field="format",
-        problem=f"is none of the forms that can be read, found the keys {', '.join(table) or '(none)'}",
-        remedy=("Did you mean format? " if difflib.get_close_matches("format", list(table)) else "")
-        + "Write format = 1 and an [inertia] table, or give the JSON of `massline identify`",
-    )
+    problem = f"is none of the forms that can be read, found the keys {', '.join(table) or '(none)'}"
+    remedy = (
+        "Did you mean format? " if difflib.get_close_matches("format", list(table)) else ""
+    ) + "Write format = 1 and an [inertia] table, or give the JSON of `massline identify`"
+    raise BadInput(source=name, field="format", problem=problem, remedy=remedy)
 
 
 def _from_inertia(inertia: dict[str, Any], name: str, intervals: dict[str, Any] | None = None) -> Statement:

@@ -560,9 +560,8 @@ def read(table: Mapping[str, Any], source: str, frame: Pose) -> Statement:
         values, note = _toleranced(listed, given[0], table, form, source)
     mass = values[MASS]
     if form.first_moment and (mass is None or mass.value == 0):
-        raise BadInput(
-            source=source, field="inertia.mass", problem="a first moment says nothing without a mass", remedy="State the mass"
-        )
+        problem = "a first moment says nothing without a mass"
+        raise BadInput(source=source, field="inertia.mass", problem=problem, remedy="State the mass")
     return Statement(
         name=str(table.get("name", "result")),
         values=through(lambda ten: form.about_cog(ten, frame), values, spread),
@@ -642,9 +641,8 @@ def _covariance(values: Sequence[Stated | None], matrix: Any, source: str) -> tu
     try:
         C = frozen(matrix, (10, 10), "covariance")
     except (ValueError, TypeError) as error:
-        raise BadInput(
-            source=source, field="covariance", problem=str(error), remedy="Write ten lists of ten numbers, SI"
-        ) from None
+        remedy = "Write ten lists of ten numbers, SI"
+        raise BadInput(source=source, field="covariance", problem=str(error), remedy=remedy) from None
     scale = np.sqrt(np.abs(np.diag(C)))
     correlation = C / np.outer(scale, scale) if np.all(scale > 0) else np.full((10, 10), np.nan)
     if not np.allclose(correlation, correlation.T, rtol=0, atol=1e-9) or np.linalg.eigvalsh(correlation)[0] < -1e-9:

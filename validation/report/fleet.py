@@ -47,9 +47,8 @@ def answer(asked: Options, each: Path, *, processes: int, scheduler: str, as_jso
     CheckFailed : nothing could be said of any of them.
     """
     if not each.is_dir():
-        raise BadInput(
-            source="--each", field=str(each), problem="there is no such folder", remedy="Name one that holds campaigns"
-        )
+        problem = "there is no such folder"
+        raise BadInput(source="--each", field=str(each), problem=problem, remedy="Name one that holds campaigns")
     every = Member.below(each, asked)
     with stages("fleet", quiet=as_json) as told:
         found = Fleet.diagnosed(every, processes=processes, scheduler=scheduler, progress=told)

@@ -377,9 +377,8 @@ def model(
             output.require_ending(out, known.endings, f"a snippet for {known.name}", f"found{known.endings[0]}")
         if out.exists() and not force:
             problem = "it is there already, perhaps with changes of your own"
-            raise BadInput(
-                source=str(out), field="--out", problem=problem, remedy="Name another file, or replace it with --force"
-            )
+            remedy = "Name another file, or replace it with --force"
+            raise BadInput(source=str(out), field="--out", problem=problem, remedy=remedy)
         output.require_file(out, "--out")
     if is_deck and tests:
         own = Path(article).with_suffix(".toml")

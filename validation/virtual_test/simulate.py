@@ -632,9 +632,8 @@ def question(
         unread = [one for one in named for name in one.targets if name in CHANNELS and not plans[0].is_read(name)]
         for one in unread:
             problem = f"a single-axis shaker along {axis} does not read that channel"
-            raise BadInput(
-                source="--effect", field=one.id, problem=problem, remedy="Choose one on the article, or leave out --axis"
-            )
+            remedy = "Choose one on the article, or leave out --axis"
+            raise BadInput(source="--effect", field=one.id, problem=problem, remedy=remedy)
     for plan in plans:
         accelerometers(plan)
     require_reaching(named, plans)
@@ -732,9 +731,8 @@ def require_free(folder: Path, truth: Path) -> None:
         raise BadInput(source=str(truth), problem=problem, remedy="Name another file; it is not overwritten")
     if folder.exists() and any(folder.iterdir()) and digests(folder) != known:
         problem = "it is there, and not empty, and no virtual test that its truth vouches for"
-        raise BadInput(
-            source=str(folder), field="--out", problem=problem, remedy="Name a new folder, or remove this one yourself"
-        )
+        remedy = "Name a new folder, or remove this one yourself"
+        raise BadInput(source=str(folder), field="--out", problem=problem, remedy=remedy)
 
 
 def require_folder(path: Path) -> None:
