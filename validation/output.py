@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, Union, get_args, get_origin, get
 import click
 import numpy as np
 
-from geometry.atomic import probe, probe_folder
+from geometry.atomic import probe, probe_folder, write_text
 from geometry.errors import BadInput
 from geometry.inertia import Inertia
 
@@ -68,6 +68,23 @@ def print_json(value: dict[str, Any]) -> None:
 def json_text(value: dict[str, Any]) -> str:
     """`value` as one JSON object; NaN and infinity are refused, they are not JSON."""
     return json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False)
+
+
+def print_answer(
+    whole: Callable[[], dict[str, Any]], page: Callable[[], str], *, as_json: bool, file: Path | None = None
+) -> None:
+    """Print `whole` `as_json` or the `page` for a reader, and write `whole` into the `file` where there is one."""
+    text = json_text(whole()) if as_json or file is not None else ""
+    click.echo(text if as_json else page(), nl=as_json)
+    if file is not None:
+        write_text(file, text + "\n")
+        wrote(file)
+
+
+def wrote(*paths: Path) -> None:
+    """Tell of every file that was written, beside standard output."""
+    for path in paths:
+        click.echo(f"massline: wrote {path}.", err=True)
 
 
 # One codec for results: a frozen dataclass says of each field under which key JSON has it, and is written and read by that.

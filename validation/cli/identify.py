@@ -120,7 +120,7 @@ def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool, 
     """
     from validation.cli.main import BAD_INPUT, FAILED_CHECK
     from validation.identify.check import summary
-    from validation.output import print_json, require_ending, shown, to_json
+    from validation.output import print_answer, require_ending, shown, to_json, wrote
     from validation.report import campaign as answer
     from validation.report.document import page
 
@@ -146,21 +146,19 @@ def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool, 
         found = summary(campaign)
     if found.campaign is None and len(found.problems) == 1:
         raise found.problems[0]
-    if as_json:
-        print_json(to_json(found))
-    else:
-        verdict, *said = answer.notes(found)
-        click.echo(page(answer.title(found), answer.grids(found), said, opening=(verdict,)), nl=False)
+    verdict, *said = answer.notes(found)
+    shown_page = page(answer.title(found), answer.grids(found), said, opening=(verdict,))
+    print_answer(lambda: to_json(found), lambda: shown_page, as_json=as_json)
     if view and found.campaign is not None:
         from validation.report.scenes.setups import sensor_map
 
         with shown(f"sensor map of {campaign}", quiet=as_json):
             path = sensor_map(found.campaign, Path("out"))
-        click.echo(f"massline: wrote {path}.", err=True)
+        wrote(path)
     if out is not None and found.campaign is not None and found.usable:
         with shown(f"dynamic mass of {campaign}", quiet=as_json):
             answer.write_dynamic_mass(out, found.campaign)
-        click.echo(f"massline: wrote {out}.", err=True)
+        wrote(out)
     if not found.usable:
         ctx.exit(BAD_INPUT)
     if found.warnings:

@@ -35,7 +35,7 @@ def modes_command(
     model), or your own FE model (.h5, .npz, .op4 ... or its .toml), which may stand beside a built-in one too: --against FILE.
     """
     from validation.flexible.model import chosen, flexible, require_model, require_used
-    from validation.output import shown
+    from validation.output import shown, wrote
     from validation.report.flexible import print_modes, require_drawable
 
     models = chosen(article, model, against)
@@ -56,8 +56,7 @@ def modes_command(
         with shown(f"shapes of {article}", quiet=as_json):
             written = [draw_sheet(found[0], folder)] if shapes else []
             written += draw_moving(found[0], moving, folder) if moving is not None else []
-        for path in written:
-            click.echo(f"massline: wrote {path}.", err=True)
+        wrote(*written)
 
 
 # `massline dynamic-mass`: the blocked 6x6 dynamic mass of an article over frequency.
@@ -100,6 +99,7 @@ def dynamic_mass_command(
     """
     from validation.flexible.dynamic_mass import DynamicMassOptions, curves
     from validation.flexible.model import chosen
+    from validation.output import wrote
     from validation.report import flexible
     from validation.report.flexible import report
 
@@ -119,12 +119,11 @@ def dynamic_mass_command(
     report(found, as_json=as_json)
     if out is not None:
         flexible.write(out, found.masses[0], article)
-        click.echo(f"massline: wrote {out}.", err=True)
+        wrote(out)
     if plot:
         from validation.report.flexible import draw
 
-        for path in draw(found, Path("out")):
-            click.echo(f"massline: wrote {path}.", err=True)
+        wrote(*draw(found, Path("out")))
 
 
 @click.command("excite")
@@ -363,7 +362,7 @@ def swing_command(
     article. With --out FOLDER the record goes through `massline pendulum FOLDER/pendulum.toml` like any other.
     """
     from validation.classical.swing import OPTIONS, Words, as_option, setup, simulated, write
-    from validation.output import print_json, require_folder, share_done, shown
+    from validation.output import print_answer, require_folder, share_done, shown, wrote
     from validation.report import excite
     from validation.report.scenes.setups import draw_swing, in_the_way
 
@@ -383,16 +382,12 @@ def swing_command(
     if out is not None:
         path = write(out, record.setup, record.swing, record.signal, record.decay)
         click.echo(f"massline: wrote {path} and its record. Reduce it with `massline pendulum {path}`.", err=True)
-    if as_json:
-        print_json(excite.as_json(found, out))
-    else:
-        click.echo(excite.text(found), nl=False)
+    print_answer(lambda: excite.as_json(found, out), lambda: excite.text(found), as_json=as_json)
     for folder in set(folders.values()):
         with shown("pictures of the swing", quiet=as_json):
             written = draw_swing(found, asked, folder, animate=animate)
             said = in_the_way(record.setup, asked)
-        for path in written:
-            click.echo(f"massline: wrote {path}.", err=True)
+        wrote(*written)
         if said:
             click.echo(f"massline: {said}", err=True)
 

@@ -67,7 +67,7 @@ def reference_command(
     """
     from geometry import inertia_files, robot
     from geometry.atomic import write_text
-    from validation.output import counted, json_text, to_json
+    from validation.output import counted, json_text, to_json, wrote
     from validation.reference.reference import DEFAULT_ARTICLES, IDENTIFIED, read_result, reference_table, require_use
     from validation.reference.robot import findings as robot_findings
     from validation.reference.statement import read_frame
@@ -129,9 +129,9 @@ def reference_command(
         click.echo(text, nl=False)
     else:
         write_text(out, text)
-        click.echo(f"massline: wrote {out}.", err=True)
+        wrote(out)
     for name in counted([name for name in names if name not in robots], "picture", quiet=as_json) if view else ():
-        click.echo(f"massline: wrote {draw(name, asked)}.", err=True)
+        wrote(draw(name, asked))
     apart = [f"{table.article}: {table.agreement}" for table in tables if not table.agree]
     for one in found:
         if wrong := [link.name for link in one.links if link.wrong]:

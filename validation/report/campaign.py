@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
 import numpy as np
 
 from geometry.articles import NAMES
@@ -22,7 +21,7 @@ from identification.campaign import Campaign
 from identification.files import files
 from identification.spectra.of_campaign import spectra
 from validation.identify.check import Summary
-from validation.output import NONE, print_json, require_folder, share_done, shown, to_json
+from validation.output import NONE, print_answer, require_folder, share_done, shown, to_json, wrote
 from validation.report.document import Column, Document, Grid, Table
 
 if TYPE_CHECKING:
@@ -196,11 +195,10 @@ def correct(folder: str, effects: Sequence[str], out: Path, *, force: bool, as_j
         made, steps = in_turn(campaign, faults)
     with shown(f"writing {out}", quiet=as_json):
         write_folder(out, lambda new: campaign_file.write(new, made, ending=None))
-    if as_json:
-        print_json({"campaign": folder, "out": str(out), "article": made.article, "corrected": to_json(steps)})
-        return
-    click.echo(_corrected(campaign, made, steps).text(), nl=False)
-    click.echo(f"massline: wrote {out}.", err=True)
+    whole = {"campaign": folder, "out": str(out), "article": made.article, "corrected": to_json(steps)}
+    print_answer(lambda: whole, lambda: _corrected(campaign, made, steps).text(), as_json=as_json)
+    if not as_json:
+        wrote(out)
 
 
 def _corrected(campaign: Campaign, made: Campaign, steps: Sequence["AppliedCorrection"]) -> Document:
@@ -311,18 +309,17 @@ def show_tests(name: str, tests: "Sequence[ResponseFunctions | ModalTable]", *, 
             row |= {"coherence": None if one.coherence is None else float(np.median(one.coherence))}
         rows.append(row)
     warnings = [f"{word}." for one in tests for word in one.warnings]
-    if as_json:
-        print_json({"source": name, "tests": to_json(rows), "warnings": warnings})
-    else:
-        columns = (
-            Column("article", lambda row: row["article"], words=True),
-            Column("measured", lambda row: row["what"], words=True),
-            Column("lines or modes", lambda row: row["count"], "d"),
-            Column("from [Hz]", lambda row: row["from_hz"]),
-            Column("to [Hz]", lambda row: row["to_hz"]),
-            Column("coherence, median", lambda row: row["coherence"], ".3f"),
-        )
-        where = [f"{one.article}: {said}." for one in tests if (said := _where(one))]
-        click.echo(Document(title=name, blocks=[Table(columns=columns, rows=rows)], notes=[*where, *warnings]).text(), nl=False)
+    columns = (
+        Column("article", lambda row: row["article"], words=True),
+        Column("measured", lambda row: row["what"], words=True),
+        Column("lines or modes", lambda row: row["count"], "d"),
+        Column("from [Hz]", lambda row: row["from_hz"]),
+        Column("to [Hz]", lambda row: row["to_hz"]),
+        Column("coherence, median", lambda row: row["coherence"], ".3f"),
+    )
+    where = [f"{one.article}: {said}." for one in tests if (said := _where(one))]
+    page = Document(title=name, blocks=[Table(columns=columns, rows=rows)], notes=[*where, *warnings])
+    whole = {"source": name, "tests": to_json(rows), "warnings": warnings}
+    print_answer(lambda: whole, page.text, as_json=as_json)
     if out is not None:
-        click.echo(f"massline: wrote {out}.", err=True)
+        wrote(out)

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-import click
 import numpy as np
 
 from geometry.atomic import write_text
@@ -16,7 +15,7 @@ from validation.compare.correlation import FunctionCorrelation, ModalCorrelation
 from validation.compare.maps import Map
 from validation.effects.practical_units import written_as
 from validation.estimation.verdicts import ABSURD, STANDS_OUT, StatedError, Tolerance, absurd, misfit
-from validation.output import NONE, json_text, shown, significant, stages, to_json, two_digits, with_unit
+from validation.output import NONE, print_answer, shown, significant, stages, to_json, two_digits, with_unit, wrote
 from validation.reference.reference import file_name
 from validation.report import document as doc
 from validation.report.charts import crosscheck, maps, spec
@@ -380,20 +379,17 @@ def answer(asked: Options, *, as_json: bool, folder: Path | None) -> None:
         model, data = read(asked, told)
     with stages("comparing", quiet=as_json) as told:
         found = compared(Study.of(model, data, asked, told), told)
-    whole = json_text(to_json(found))
-    click.echo(whole if as_json else document(found).text(), nl=as_json)
+    file = None if folder is None else folder / RESULT
+    print_answer(lambda: to_json(found), lambda: document(found).text(), as_json=as_json, file=file)
     if folder is not None:
-        write_text(folder / RESULT, whole + "\n")
-        click.echo(f"massline: wrote {folder / RESULT}.", err=True)
         for one in found.correlation:
             for name, rows in one.tables().items():
                 path = folder / f"{file_name(f'compare-{one.data_set}-{name}')}.csv"
                 write_text(path, rows)
-                click.echo(f"massline: wrote {path}.", err=True)
+                wrote(path)
         with shown("pictures", quiet=as_json):
             paths = draw(found, folder)
-        for path in paths:
-            click.echo(f"massline: wrote {path}.", err=True)
+        wrote(*paths)
 
 
 # Condition number of Eqs. 9 to 11, campaign by campaign.

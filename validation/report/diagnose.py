@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from geometry.atomic import probe, write_text
+from geometry.atomic import probe
 from geometry.errors import BadInput, CheckFailed
 from validation.compare.compare import mapped_all
 from validation.compare.correlation import modes_of
@@ -30,7 +30,19 @@ from validation.history.history import Version, reminded
 from validation.history.verdict import at_offsets, kept_offsets
 from validation.model import model_file
 from validation.model.model import Added
-from validation.output import NONE, json_text, nats, odds, share_done, significant, stages, to_json, two_digits, with_unit
+from validation.output import (
+    NONE,
+    nats,
+    odds,
+    print_answer,
+    share_done,
+    significant,
+    stages,
+    to_json,
+    two_digits,
+    with_unit,
+    wrote,
+)
 from validation.reference.reference import file_name
 from validation.report import document as doc
 from validation.report import history, parts
@@ -247,13 +259,8 @@ def answer(asked: Options, files: Sequence[str], *, auto: bool, as_json: bool, f
     with stages("diagnosing", quiet=as_json) as told:
         found = only_classical(model, files, lambda share: told("effects", share), only=asked.candidates)
     whole = {"model": asked.model, "data": list(files), **to_json(found)}
-    if as_json:
-        click.echo(json_text(whole))
-    else:
-        click.echo(classical_document(found, title(asked.path.name, files)).text(), nl=False)
-    if folder is not None:
-        write_text(folder / RESULT, json_text(whole) + "\n")
-        click.echo(f"massline: wrote {folder / RESULT}.", err=True)
+    page, file = classical_document(found, title(asked.path.name, files)), None if folder is None else folder / RESULT
+    print_answer(lambda: whole, page.text, as_json=as_json, file=file)
 
 
 # Where an unknown effect shows: the map of what is left once everything that was accepted acts.
@@ -650,21 +657,16 @@ def diagnosis_answer(asked: Options, *, auto: bool, as_json: bool, folder: Path 
     else:
         with stages("diagnosing", quiet=as_json) as told:
             found, more = diagnosis(asked, bench, told), {}
-        if not as_json:
-            click.echo(text(asked, bench, found), nl=False)
     whole = {**of_asked(asked, bench), **to_json(found), **more}
-    if as_json:
-        click.echo(json_text(whole))
+    file = None if folder is None else folder / RESULT
+    print_answer(lambda: whole, lambda: "" if auto else text(asked, bench, found), as_json=as_json, file=file)
     if folder is None:
         return
-    write_text(folder / RESULT, json_text(whole) + "\n")
-    click.echo(f"massline: wrote {folder / RESULT}.", err=True)
     with share_done("pictures", quiet=as_json) as share:
         paths = draw(found, folder)
         if found.leftover is not None:
             paths += draw_left(found, bench, folder, share)
-    for path in paths:
-        click.echo(f"massline: wrote {path}.", err=True)
+    wrote(*paths)
 
 
 def prepared(asked: Options, *, quiet: bool = True) -> Study:

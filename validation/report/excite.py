@@ -22,7 +22,18 @@ from validation.excite.results import LOAD_UNITS, LOADS, Outcome, amplitude, rig
 from validation.excite.rig import FMD, ArticleOnTable, RigModes
 from validation.excite.runs import Done, PreparedRuns, ready
 from validation.identify.check import of_campaign
-from validation.output import NONE, fixed, print_json, require_file, require_folder, share_done, shown, to_json
+from validation.output import (
+    NONE,
+    fixed,
+    print_answer,
+    print_json,
+    require_file,
+    require_folder,
+    share_done,
+    shown,
+    to_json,
+    wrote,
+)
 from validation.reference.reference import file_name
 from validation.report import campaign as campaign_page
 from validation.report.charts.excitation import PanelRow, Sheet, Signal, Spectra, draw_sheet
@@ -437,12 +448,9 @@ def excite(question: ExciteOptions, wanted: Wanted) -> None:
         outcomes.append(one.outcome)
         for warning in one.outcome.warnings:
             click.echo(f"massline: {one.run.name}: {warning}", err=True)
-    if wanted.as_json:
-        print_json(excite_json(made, outcomes, files))
-    else:
-        click.echo(document(made, outcomes).text(), nl=False)
-    for path in (path for paths in files for path in paths):
-        click.echo(f"massline: wrote {path}.", err=True)
+    page = document(made, outcomes)
+    print_answer(lambda: excite_json(made, outcomes, files), page.text, as_json=wanted.as_json)
+    wrote(*(path for paths in files for path in paths))
 
 
 def _written_run(made: PreparedRuns, one: Done, wanted: Wanted) -> list[Path]:

@@ -20,7 +20,7 @@ from validation.diagnose.fleet import ERROR, Difference, Fleet, Member, MemberAn
 from validation.diagnose.pendulum import only_classical
 from validation.effects.practical_units import written
 from validation.model import model_file
-from validation.output import NONE, json_text, stages, to_json
+from validation.output import NONE, json_text, print_answer, stages, to_json, wrote
 from validation.report import document as doc
 from validation.report.charts import interactive, spec
 from validation.report.charts.figure import Figure
@@ -53,17 +53,14 @@ def answer(asked: Options, each: Path, *, processes: int, scheduler: str, as_jso
     with stages("fleet", quiet=as_json) as told:
         found = Fleet.diagnosed(every, processes=processes, scheduler=scheduler, progress=told)
     page = replace(FleetPage(found=found).document(), title=f"{len(found.articles)} articles beside {asked.path.name}")
-    whole = json_text({"model": asked.model, "each": str(each), **to_json(found)})
-    click.echo(whole if as_json else page.text(), nl=as_json)
+    whole, file = {"model": asked.model, "each": str(each), **to_json(found)}, None if folder is None else folder / RESULT
+    print_answer(lambda: whole, page.text, as_json=as_json, file=file)
     if folder is not None:
-        folder.mkdir(exist_ok=True)
         figures = doc.Figures()
         part = section("fleet", page.title, doc.joined(paragraphs(page.opening), *page.html(figures), notes(page.notes)))
         head = doc.tag("h1", page.title, id="top")
-        write_text(folder / RESULT, whole + "\n")
         write_text(folder / PAGE, framed(page.title, head, [("fleet", page.title, part)], figures, version("massline")))
-        for name in (RESULT, PAGE):
-            click.echo(f"massline: wrote {folder / name}.", err=True)
+        wrote(folder / PAGE)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

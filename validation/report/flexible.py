@@ -10,7 +10,6 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
 import numpy as np
 import numpy.typing as npt
 
@@ -100,12 +99,11 @@ def _masses(masses: Array, rigid: Array) -> tuple[str, ...]:
 def print_modes(model: Flexible, against: Flexible | None, *, as_json: bool) -> None:
     """What `massline modes` prints of `model`, and of another beside it."""
     beside = None if against is None else ModesBeside(found=compared(model, against))
-    if as_json:
-        output.print_json(modes_json(model) | ({} if beside is None else {"against": beside.json()}))
-        return
-    click.echo(modes_document(model).text(), nl=False)
-    if beside is not None:
-        click.echo("\n" + beside.document().text(), nl=False)
+    output.print_answer(
+        lambda: modes_json(model) | ({} if beside is None else {"against": beside.json()}),
+        lambda: modes_document(model).text() + ("" if beside is None else "\n" + beside.document().text()),
+        as_json=as_json,
+    )
 
 
 def modes_document(model: Flexible) -> Document:
@@ -332,10 +330,7 @@ def dynamic_mass_document(found: Curves) -> Document:
 
 def report(found: Curves, *, as_json: bool) -> None:
     """Print `found` as tables, or as the JSON object of the output contract."""
-    if as_json:
-        output.print_json(output.to_json(found))
-    else:
-        click.echo(dynamic_mass_document(found).text(), nl=False)
+    output.print_answer(lambda: output.to_json(found), lambda: dynamic_mass_document(found).text(), as_json=as_json)
 
 
 # A dynamic mass as a file: comma-separated for a spreadsheet, ``.npz`` for numpy; no pickle, whole or not at all.
@@ -696,12 +691,8 @@ def examine_answer(path: str, *, as_json: bool) -> None:
         reduced, why = ((), "") if found.findings else _reduced(study)
     if why:
         found = replace(found, unexamined=(*found.unexamined, why))
-    if as_json:
-        output.print_json(
-            {**output.to_json(found), "sound": not found.findings, "reduction": [output.to_json(one) for one in reduced]}
-        )
-    else:
-        click.echo(examined(found, reduced).text(), nl=False)
+    whole = {**output.to_json(found), "sound": not found.findings, "reduction": [output.to_json(one) for one in reduced]}
+    output.print_answer(lambda: whole, lambda: examined(found, reduced).text(), as_json=as_json)
     if found.findings:
         raise CheckFailed(_in_a_sentence(found), findings=found.findings)
 

@@ -299,11 +299,9 @@ def add(asked: "Options", effect: "AddedEffectOptions", *, as_json: bool) -> Non
         study, known = opened(asked, effect, told)
         step = added(study, effect, told)
     said = (*known, *step.said)
-    if as_json:
-        click.echo(output.json_text(of_step(step.at, step.before, step.after, said)))
-        return
     title = f"{asked.path.name}: {step.after.effect} added, rung {step.after.number} on rung {step.before.number}"
-    click.echo(document.page(title, of_added(step.before, step.after), (*step.after.verdict, *map(sentence, said))), nl=False)
+    page = document.page(title, of_added(step.before, step.after), (*step.after.verdict, *map(sentence, said)))
+    output.print_answer(lambda: of_step(step.at, step.before, step.after, said), lambda: page, as_json=as_json)
 
 
 def ladder(path: Path, *, go: int | None, as_json: bool, folder: Path | None) -> None:
@@ -321,8 +319,7 @@ def ladder(path: Path, *, go: int | None, as_json: bool, folder: Path | None) ->
     if folder is not None:
         with output.shown(f"pictures of {at.path.name}", quiet=as_json):
             paths = charts.draw(at, folder)
-        for made in paths:
-            click.echo(f"massline: wrote {made}.", err=True)
+        output.wrote(*paths)
 
 
 def undo(path: Path, *, as_json: bool) -> None:
@@ -340,7 +337,7 @@ def _show(at: HistoryPosition, *, as_json: bool) -> None:
     if not at.ladder.rungs:
         problem = f"it has no ladder: there is no {history.path_beside(at.path).name} beside it"
         raise BadInput(source=str(at.path), problem=problem, remedy="`massline add MODEL EFFECT DATA ...` makes one")
-    click.echo(output.json_text(of_ladder(at)) if as_json else text(at), nl=as_json)
+    output.print_answer(lambda: of_ladder(at), lambda: text(at), as_json=as_json)
 
 
 # The run of `massline model`.
@@ -391,7 +388,7 @@ def model(
         if not own.exists():
             text, lost = deck.described(Path(article), units)
             write_text(own, text)
-            click.echo(f"massline: wrote {own}.", err=True)
+            output.wrote(own)
         model(str(own), out, force=force, tests=tests)
         _require_all(article, lost)
         return
@@ -416,7 +413,7 @@ def model(
             problem = "a description lies beside the deck, whose nodes and elements it needs"
             raise BadInput(source=str(out), field="--out", problem=problem, remedy=f"Write it to {Path(article).parent}")
         write_text(out, text)
-        click.echo(f"massline: wrote {out}.", err=True)
+        output.wrote(out)
     _require_all(article, lost)
 
 

@@ -10,7 +10,6 @@ import click
 import numpy as np
 
 from geometry import cache
-from geometry.atomic import write_text
 from geometry.dynamic_mass import MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, Pose
@@ -24,7 +23,7 @@ from validation.identify import identify
 from validation.identify.identify import DrawnBandStudy, IdentificationFindings, Reported, by_kind
 from validation.identify.request import IdentifyOptions
 from validation.model.setups import FMD, above_fmd, is_stack, stated, takes_fmd_off
-from validation.output import NONE, inertia_json, json_text, print_json, rounded, shown, to_json
+from validation.output import NONE, inertia_json, print_answer, print_json, rounded, shown, to_json, wrote
 from validation.reference.reference import ArticleOptions, file_name, reference
 from validation.reference.statement import QUANTITIES, Statement
 from validation.report import document as doc
@@ -406,16 +405,12 @@ def answer(asked: IdentifyOptions, frame: str | None, *, as_json: bool, folder: 
     CheckFailed : no body can have what comes out; raised when everything is printed.
     """
     found = identify.identified(asked, frame, quiet=as_json)
-    whole = json_text(to_json(found)) if as_json or keep else ""
-    click.echo(whole if as_json else IdentificationPage(found=found).document().text(), nl=as_json)
+    page, file = IdentificationPage(found=found), folder / RESULT if keep and folder is not None else None
+    print_answer(lambda: to_json(found), lambda: page.document().text(), as_json=as_json, file=file)
     if folder is not None:
-        if keep:
-            write_text(folder / RESULT, whole + "\n")
-            click.echo(f"massline: wrote {folder / RESULT}.", err=True)
         with shown(f"pictures of {found.article}", quiet=as_json):
             paths = IdentificationPictures(found=found).draw(folder)
-        for path in paths:
-            click.echo(f"massline: wrote {path}.", err=True)
+        wrote(*paths)
     if impossible(found.result.quality):
         said = f"no body can have the {found.result.identified.way} result: {judge(found.result.inertia).text}"
         if found.request.modes == 0:

@@ -16,7 +16,7 @@ from validation.model import model_file
 from validation.model.learnt import ANEW, Offset
 from validation.model.model import require_pair
 from validation.model.tolerance_classes import AS_DELIVERED, METROLOGY, NAMES, ROWS
-from validation.output import print_json, require_file, stages, to_json
+from validation.output import print_answer, require_file, stages, to_json
 from validation.report import document as doc
 from validation.study import read_data
 
@@ -51,11 +51,9 @@ def answer(campaigns: Sequence[str], path: str | None, tolerance_class: str | No
         found = laboratory(model, read_data(campaigns, model).campaigns, told)
     if out is not None:
         write_text(out, found.learnt.text)
-    if as_json:
-        print_json({"campaigns": list(campaigns), **to_json(found)})
-        return
-    click.echo(document(found).text(), nl=False)
-    if out is not None:
+    whole = {"campaigns": list(campaigns), **to_json(found)}
+    print_answer(lambda: whole, document(found).text, as_json=as_json)
+    if out is not None and not as_json:
         click.echo(f"massline: wrote {out}. In [laboratory] of a model file: learnt = {string(str(out))}.", err=True)
 
 

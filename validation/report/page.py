@@ -18,8 +18,6 @@ from platform import platform, python_version
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import click
-
 from geometry.atomic import write_text, write_with
 from geometry.errors import BadInput, CheckFailed
 from geometry.toml_file import files_named
@@ -36,7 +34,7 @@ from validation.history.history import Body, HistoryPosition, Source, digest, hi
 from validation.identify.request import REDUCED
 from validation.model.model import Model
 from validation.model.setups import FMD, above_fmd
-from validation.output import percent, require_ending, require_file, rounded, stages, to_json
+from validation.output import percent, require_ending, require_file, rounded, stages, to_json, wrote
 from validation.prediction.modal_table import FREQUENCY
 from validation.reference.reference import file_name
 from validation.reference.statement import QUANTITIES
@@ -547,12 +545,12 @@ def answer(asked: ReportOptions) -> None:
     report = reported(asked)
     with stages("writing", quiet=False) as told:
         write(report, path, told)
-    click.echo(f"massline: wrote {path}.", err=True)
+    wrote(path)
     if program:
         printed = path.with_suffix(".pdf")
         with stages("printing", quiet=False):
             print_to(path, printed, program)
-        click.echo(f"massline: wrote {printed}.", err=True)
+        wrote(printed)
 
 
 def place(asked: ReportOptions) -> Path:

@@ -5,14 +5,12 @@ from dataclasses import dataclass
 from operator import itemgetter
 from pathlib import Path
 
-import click
 import numpy as np
 
-from geometry.atomic import write_text
 from geometry.frames import Array
 from validation.flexible.model import Flexible
 from validation.identify.pretest import PretestFindings, PretestOptions, Rigidity, coarse_lines, findings, largest_share
-from validation.output import NONE, json_text, require_folder, rounded, share_done, shown, to_json
+from validation.output import NONE, print_answer, require_folder, rounded, share_done, shown, to_json, wrote
 from validation.reference.reference import file_name
 from validation.reference.statement import QUANTITIES
 from validation.report.charts.identification import DrawnPretest, draw_pretest, draw_rigid, draw_shares
@@ -228,13 +226,9 @@ def answer(question: PretestOptions, *, as_json: bool, plot: bool, out: Path | N
         require_folder(out, "--out")
     with share_done(f"pretest of {question.plan.article}", quiet=as_json) as told:
         found = findings(question, told)
-    page, whole = PretestPage(found=found), json_text(to_json(found))
-    click.echo(whole if as_json else page.document().text(), nl=as_json)
-    if out is not None:
-        write_text(out / RESULT, whole + "\n")
-        click.echo(f"massline: wrote {out / RESULT}.", err=True)
+    page, file = PretestPage(found=found), None if out is None else out / RESULT
+    print_answer(lambda: to_json(found), lambda: page.document().text(), as_json=as_json, file=file)
     if plot or out is not None:
         with shown(f"pictures of {question.plan.article}", quiet=as_json):
             paths = page.draw(out or Path("out"))
-        for path in paths:
-            click.echo(f"massline: wrote {path}.", err=True)
+        wrote(*paths)
