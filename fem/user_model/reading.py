@@ -20,7 +20,7 @@ from fem.user_model import frame, matrices
 from fem.user_model.description import LARGEST_BYTES, TABLE, TOO_LARGE, Contents, Description, parse, read_description
 from fem.user_model.parts import require_name
 from fem.user_model.units import SI, UnitSystem
-from geometry import atomic, toml_file
+from geometry import atomic, npz, toml_file
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers
 from geometry.toml_file import nearest
@@ -325,9 +325,9 @@ def read_npz(path: Path) -> Contents:
 
     Raises
     ------
-    BadInput : as `geometry.atomic.read_npz`.
+    BadInput : as `geometry.npz.read`.
     """
-    arrays = atomic.read_npz(path, LARGEST_BYTES)
+    arrays = npz.read(path, LARGEST_BYTES)
     text = arrays.pop("description", None)
     return Contents(source=str(path), arrays=arrays, description=None if text is None else str(text))
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from geometry import atomic
+from geometry import npz
 from geometry.errors import BadInput
 from identification.files import files, hdf5, mat, text_table
 from identification.files.files import DAMAGED, LARGEST_BYTES, Samples
@@ -34,7 +34,7 @@ def read(path: Path, wanted: Collection[str]) -> dict[str, Samples]:
         raise BadInput(source=source, field="file", problem=problem, remedy=SAVE)
     found: dict[str, Any]
     if ending == ".npz":
-        found = atomic.read_npz(path, LARGEST_BYTES, wanted)
+        found = npz.read(path, LARGEST_BYTES, wanted)
     elif ending == ".json":
         found = _of_json(path, wanted)
     elif ending in mat.ENDINGS:

@@ -1,6 +1,7 @@
 """Where effects are found: the files of `validation/effects/families`, entry points ``massline.effects``, folders of a user.
 
-A file is a family when it holds a `FAMILY`. The catalogue of a process only grows: `load` adds what a user brings.
+What opens a parameter that a model has already is a table of their ``opened.toml``; what changes an equation has a `FAMILY`.
+The catalogue of a process only grows: `load` adds what a user brings.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -139,8 +140,10 @@ def add_installed(points: Iterator[EntryPoint]) -> None:
         _add(own.of(getattr(value, "FAMILY", value), file), source)
 
 
+_opened = import_module("validation.effects.families.opened").FAMILIES
 for _name in ORDER:
-    _found[_name] = import_module(f"validation.effects.families.{_name.replace('-', '_')}").FAMILY
+    _file = f"validation.effects.families.{_name.replace('-', '_')}"
+    _found[_name] = _opened[_name] if _name in _opened else import_module(_file).FAMILY
 add_installed(iter(entry_points(group=GROUP)))
 
 

@@ -1,4 +1,6 @@
-"""`Family`: one physical effect as data, with its equation as a change of the prediction. One small file each in `families/`.
+"""`Family`: one physical effect as data, with its equation as a change of the prediction.
+
+Each is one small file of ``families/``, or, where it opens a parameter, a table of ``families/opened.toml``.
 
 A prediction is made in stages, and an effect changes one of them (`validation.effects.stages`):
 
