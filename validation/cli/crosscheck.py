@@ -7,19 +7,20 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click import argument, command, option
 
 from geometry.errors import BadInput
 from validation.app.options import LINGER
 from validation.cli import options
 
 
-@click.command("compare")
-@click.argument("model", metavar="MODEL")
-@click.argument("data", nargs=-1, metavar="[DATA ...]")
+@command("compare")
+@argument("model", metavar="MODEL")
+@argument("data", nargs=-1, metavar="[DATA ...]")
 @options.study
 @options.effects_from
 @options.JSON
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Write compare.json and the pictures into DIR.")
+@option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Write compare.json and the pictures into DIR.")
 def compare_command(as_json: bool, out: Path | None, **given: Any) -> None:
     """Where MODEL fails: four errors with their verdicts, the ten worst spots in words, maps over frequency.
 
@@ -39,23 +40,21 @@ def compare_command(as_json: bool, out: Path | None, **given: Any) -> None:
     answer(Options(**given), as_json=as_json, folder=out)
 
 
-@click.command("add")
-@click.argument("model", type=click.Path(path_type=Path), metavar="MODEL")
-@click.argument("effect", metavar="EFFECT[=VALUE]")
-@click.argument("data", nargs=-1, metavar="[DATA ...]")
-@click.option(
+@command("add")
+@argument("model", type=click.Path(path_type=Path), metavar="MODEL")
+@argument("effect", metavar="EFFECT[=VALUE]")
+@argument("data", nargs=-1, metavar="[DATA ...]")
+@option(
     "--hold-out",
     multiple=True,
     metavar="NAME",
     help="A run, campaign or file used only for checking, never fitted. May be repeated.  [default: each run in turn]",
 )
 @options.BAND
-@click.option("--method", type=click.Choice(options.METHODS), help=f"How spectra are made.  [default: {options.METHODS[0]}]")
+@option("--method", type=click.Choice(options.METHODS), help=f"How spectra are made.  [default: {options.METHODS[0]}]")
 @options.EFFECTS_FROM
-@click.option("--fixed", is_flag=True, help="Keep the effect at VALUE instead of fitting it.")
-@click.option(
-    "--alias-ok", is_flag=True, help="Add it though these data cannot tell it from what the model has; the rung says so."
-)
+@option("--fixed", is_flag=True, help="Keep the effect at VALUE instead of fitting it.")
+@option("--alias-ok", is_flag=True, help="Add it though these data cannot tell it from what the model has; the rung says so.")
 @options.JSON
 def add_command(model: Path, effect: str, fixed: bool, alias_ok: bool, as_json: bool, **given: Any) -> None:
     """Add EFFECT to MODEL: fit it, print the errors before and after, and keep both as rungs of the model's ladder.
@@ -79,16 +78,14 @@ def add_command(model: Path, effect: str, fixed: bool, alias_ok: bool, as_json: 
     add(Options(model=str(model), **given), AddedEffectOptions(effect=effect, fixed=fixed, alias_ok=alias_ok), as_json=as_json)
 
 
-@click.command("app")
-@click.argument("model", required=False, metavar="[MODEL]")
-@click.argument("data", nargs=-1, metavar="[DATA ...]")
-@click.option("--example", metavar="NAME", help="Begin with a built-in example; the page lists them, too.")
-@click.option(
-    "--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Port to serve on.  [default: one that is free]"
-)
-@click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="Address to serve on: others reach it.")
-@click.option("--no-browser", is_flag=True, help="Print the address, open nothing.")
-@click.option(
+@command("app")
+@argument("model", required=False, metavar="[MODEL]")
+@argument("data", nargs=-1, metavar="[DATA ...]")
+@option("--example", metavar="NAME", help="Begin with a built-in example; the page lists them, too.")
+@option("--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Port to serve on.  [default: one that is free]")
+@option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="Address to serve on: others reach it.")
+@option("--no-browser", is_flag=True, help="Print the address, open nothing.")
+@option(
     "--linger",
     type=click.FloatRange(0, 86400),
     default=LINGER,
@@ -96,7 +93,7 @@ def add_command(model: Path, effect: str, fixed: bool, alias_ok: bool, as_json: 
     metavar="SECONDS",
     help="How long to wait, when the last page is closed, for it to be opened again.",
 )
-@click.option("--stay", is_flag=True, help="Keep serving when the last page is closed.")
+@option("--stay", is_flag=True, help="Keep serving when the last page is closed.")
 @options.study
 @options.EFFECTS_FROM
 def app_command(
@@ -129,11 +126,11 @@ def app_command(
     )
 
 
-@click.command("correct")
-@click.argument("campaign", metavar="CAMPAIGN")
-@click.argument("effects", nargs=-1, required=True, metavar="EFFECT[=VALUE] ...")
-@click.option("--out", type=click.Path(path_type=Path), required=True, metavar="DIR", help="The new campaign folder.")
-@click.option("--force", is_flag=True, help="Replace the campaign in DIR if there is one.")
+@command("correct")
+@argument("campaign", metavar="CAMPAIGN")
+@argument("effects", nargs=-1, required=True, metavar="EFFECT[=VALUE] ...")
+@option("--out", type=click.Path(path_type=Path), required=True, metavar="DIR", help="The new campaign folder.")
+@option("--force", is_flag=True, help="Replace the campaign in DIR if there is one.")
 @options.effects_from
 @options.JSON
 def correct_command(campaign: str, effects: tuple[str, ...], out: Path, force: bool, as_json: bool) -> None:
@@ -148,11 +145,11 @@ def correct_command(campaign: str, effects: tuple[str, ...], out: Path, force: b
     correct(campaign, effects, out, force=force, as_json=as_json)
 
 
-@click.command("diagnose")
-@click.argument("model", type=click.Path(path_type=Path), metavar="MODEL")
-@click.argument("data", nargs=-1, metavar="[DATA ...]")
+@command("diagnose")
+@argument("model", type=click.Path(path_type=Path), metavar="MODEL")
+@argument("data", nargs=-1, metavar="[DATA ...]")
 @options.study
-@click.option(
+@option(
     "--candidate",
     "candidates",
     multiple=True,
@@ -160,18 +157,12 @@ def correct_command(campaign: str, effects: tuple[str, ...], out: Path, force: b
     help="Look for this effect, or this family, only. May be repeated.  [default: all that could act on DATA]",
 )
 @options.EFFECTS_FROM
-@click.option("--auto", is_flag=True, help="Add what is found to MODEL, rung by rung, until the rules say stop.")
-@click.option(
-    "--each", type=click.Path(path_type=Path), metavar="DIR", help="Diagnose every campaign and test below DIR by itself."
-)
-@click.option(
-    "--jobs", type=click.IntRange(min=1), metavar="N", help="With --each: processes.  [default: as this machine has cores]"
-)
-@click.option(
-    "--scheduler", metavar="ADDRESS", help="With --each: of Dask, whose workers do it instead, such as tcp://HOST:8786."
-)
+@option("--auto", is_flag=True, help="Add what is found to MODEL, rung by rung, until the rules say stop.")
+@option("--each", type=click.Path(path_type=Path), metavar="DIR", help="Diagnose every campaign and test below DIR by itself.")
+@option("--jobs", type=click.IntRange(min=1), metavar="N", help="With --each: processes.  [default: as this machine has cores]")
+@option("--scheduler", metavar="ADDRESS", help="With --each: of Dask, whose workers do it instead, such as tcp://HOST:8786.")
 @options.JSON
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Write JSON and the pictures, or the page, into DIR.")
+@option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Write JSON and the pictures, or the page, into DIR.")
 def diagnose_command(
     model: Path,
     auto: bool,
@@ -219,8 +210,8 @@ def diagnose_command(
     fleet.answer(asked, each, processes=jobs or 0, scheduler=scheduler or "", as_json=as_json, folder=out)
 
 
-@click.command("effects")
-@click.argument("names", nargs=-1, metavar="[ID ...]")
+@command("effects")
+@argument("names", nargs=-1, metavar="[ID ...]")
 @options.JSON
 @options.effects_from
 def effects_command(names: tuple[str, ...], as_json: bool) -> None:
@@ -241,11 +232,11 @@ def effects_command(names: tuple[str, ...], as_json: bool) -> None:
         click.echo(effects.table(), nl=False)
 
 
-@click.command("ladder")
-@click.argument("model", type=click.Path(path_type=Path), metavar="MODEL")
-@click.option("--go", type=int, metavar="RUNG", help="Go to this rung first: MODEL is rewritten as it was there.")
-@click.option("--plot/--no-plot", default=True, show_default=True, help="Draw the falling errors and the inertia.")
-@click.option(
+@command("ladder")
+@argument("model", type=click.Path(path_type=Path), metavar="MODEL")
+@option("--go", type=int, metavar="RUNG", help="Go to this rung first: MODEL is rewritten as it was there.")
+@option("--plot/--no-plot", default=True, show_default=True, help="Draw the falling errors and the inertia.")
+@option(
     "--out", type=click.Path(path_type=Path), default=Path("out"), show_default=True, metavar="DIR", help="Where the pictures go."
 )
 @options.JSON
@@ -262,9 +253,9 @@ def ladder_command(model: Path, go: int | None, plot: bool, out: Path, as_json: 
     ladder(model, go=go, as_json=as_json, folder=out if plot else None)
 
 
-@click.command("league")
-@click.argument("names", nargs=-1, metavar="[NAME ...]")
-@click.option(
+@command("league")
+@argument("names", nargs=-1, metavar="[NAME ...]")
+@option(
     "--data",
     envvar="MASSLINE_DATA",
     type=click.Path(path_type=Path),
@@ -273,7 +264,7 @@ def ladder_command(model: Path, go: int | None, plot: bool, out: Path, as_json: 
     metavar="DIR",
     help="Folder of the data; MASSLINE_DATA may name it.",
 )
-@click.option(
+@option(
     "--studies",
     type=click.Path(path_type=Path),
     default=Path("examples") / "league",
@@ -296,26 +287,26 @@ def league_command(names: tuple[str, ...], data: Path, studies: Path, as_json: b
     league_answer(studies, data, names, as_json=as_json)
 
 
-@click.command("model")
-@click.argument("article", metavar="ARTICLE")
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="Write it there instead of to standard output.")
-@click.option("--force", is_flag=True, help="Replace FILE if it is there.")
-@click.option("--examine", is_flag=True, help="Write nothing; say all that is wrong with the FE model in the file ARTICLE.")
-@click.option("--json", "as_json", is_flag=True, help="With --examine: print one JSON object instead.")
-@click.option(
+@command("model")
+@argument("article", metavar="ARTICLE")
+@option("--out", type=click.Path(path_type=Path), metavar="FILE", help="Write it there instead of to standard output.")
+@option("--force", is_flag=True, help="Replace FILE if it is there.")
+@option("--examine", is_flag=True, help="Write nothing; say all that is wrong with the FE model in the file ARTICLE.")
+@option("--json", "as_json", is_flag=True, help="With --examine: print one JSON object instead.")
+@option(
     "--as",
     "program",
     type=click.Choice(["nastran", "calculix", "opensees"]),
     help="Write the effects of the model file ARTICLE as a snippet for this program's deck; Abaqus reads that of calculix.",
 )
-@click.option(
+@option(
     "--test",
     "tests",
     multiple=True,
     metavar="TEST",
     help="A test of your own FE model, its TOML or a universal file: write the study of both. Repeatable.",
 )
-@click.option("--units", metavar="UNITS", help="Of a deck, such as mm-t-N-s; by default what its materials say.")
+@option("--units", metavar="UNITS", help="Of a deck, such as mm-t-N-s; by default what its materials say.")
 @options.effects_from
 def model_command(
     article: str,
@@ -366,15 +357,15 @@ def model_command(
     model(article, out, force=force, tests=tests, program=program, units=units)
 
 
-@click.command("report")
-@click.argument("model", metavar="MODEL")
-@click.argument("data", nargs=-1, metavar="[DATA ...]")
+@command("report")
+@argument("model", metavar="MODEL")
+@argument("data", nargs=-1, metavar="[DATA ...]")
 @options.study
 @options.effects_from
-@click.option("--no-diagnosis", is_flag=True, help="Do not look for what is missing, which takes longest.")
-@click.option("--pdf", is_flag=True, help="Print it to a PDF beside it as well, by Chromium or what MASSLINE_BROWSER names.")
-@click.option("--by", default="", metavar="NAME", help="Who made it: stands above the first signature line.")
-@click.option(
+@option("--no-diagnosis", is_flag=True, help="Do not look for what is missing, which takes longest.")
+@option("--pdf", is_flag=True, help="Print it to a PDF beside it as well, by Chromium or what MASSLINE_BROWSER names.")
+@option("--by", default="", metavar="NAME", help="Who made it: stands above the first signature line.")
+@option(
     "--out", type=click.Path(path_type=Path), metavar="FILE.html", help="Where the page goes.  [default: out/, named after MODEL]"
 )
 def report_command(no_diagnosis: bool, pdf: bool, by: str, out: Path | None, **given: Any) -> None:
@@ -394,8 +385,8 @@ def report_command(no_diagnosis: bool, pdf: bool, by: str, out: Path | None, **g
     answer(ReportOptions(compared=Options(**given), diagnosis=not no_diagnosis, out=out, pdf=pdf, by=by, command=line))
 
 
-@click.command("undo")
-@click.argument("model", type=click.Path(path_type=Path), metavar="MODEL")
+@command("undo")
+@argument("model", type=click.Path(path_type=Path), metavar="MODEL")
 @options.JSON
 def undo_command(model: Path, as_json: bool) -> None:
     """Put MODEL back as it was on the rung below, byte by byte; the rung that it leaves is kept.

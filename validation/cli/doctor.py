@@ -7,6 +7,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import click
+from click import command
 
 from geometry.errors import EXTRAS
 from validation.cli import options, shadowed
@@ -25,7 +26,7 @@ CORE = ("numpy", "scipy", "pin", "trimesh", "libigl", "h5py", "manifold3d", "mat
 """Libraries of the core whose version says most."""
 
 
-@click.command("doctor")
+@command("doctor")
 @options.JSON
 def doctor_command(as_json: bool) -> None:
     """What is installed here: Python, libraries by extra, browser, factorisers, the measured data of others.

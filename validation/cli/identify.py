@@ -4,49 +4,48 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click import argument, command, option
 
 from geometry import toml_file
 from geometry.errors import BadInput
 from validation.cli import options
 
 
-@click.command("identify")
-@click.argument("campaign", metavar="CAMPAIGN")
-@click.option(
+@command("identify")
+@argument("campaign", metavar="CAMPAIGN")
+@option(
     "--tare",
     "tares",
     multiple=True,
     metavar="CAMPAIGN",
     help="A campaign of a known article on the same hardware, from which the FMD is learnt. May be repeated.",
 )
-@click.option(
+@option(
     "--known",
     multiple=True,
     metavar="ARTICLE",
     help="What stands on the FMD in the tare, for each tare; its drawing gives its inertia.  [default: what the tare says it is]",
 )
-@click.option(
+@option(
     "--known-tolerance",
     default="0.03 %",
     show_default=True,
     metavar="SHARE",
     help="How well that inertia is known, one standard deviation; more where bolts and holes are not as drawn.",
 )
-@click.option(
+@option(
     "--classical",
     multiple=True,
     metavar="FILE",
     help="A weighing, CoG, pendulum or results file about the article, taken as data with its tolerance. May be repeated.",
 )
-@click.option("--band", nargs=2, type=float, metavar="LO HI", help="Frequencies [Hz] to use.  [default: the campaign's]")
-@click.option(
+@option("--band", nargs=2, type=float, metavar="LO HI", help="Frequencies [Hz] to use.  [default: the campaign's]")
+@option(
     "--spectra", type=click.Choice(options.METHODS), default=options.METHODS[0], show_default=True, help="How spectra are made."
 )
-@click.option("--modes", default="auto", show_default=True, metavar="N", help="Elastic terms; 0 takes the article for rigid.")
-@click.option(
-    "--condition-limit", type=float, default=100.0, show_default=True, metavar="X", help="Leave out lines conditioned worse."
-)
-@click.option(
+@option("--modes", default="auto", show_default=True, metavar="N", help="Elastic terms; 0 takes the article for rigid.")
+@option("--condition-limit", type=float, default=100.0, show_default=True, metavar="X", help="Leave out lines conditioned worse.")
+@option(
     "--tolerance",
     "tolerances",
     multiple=True,
@@ -54,15 +53,13 @@ from validation.cli import options
     help='Your own tolerance of the measurement chain, one standard deviation: gain="0.2 %", position="0.3 mm", angle, delay, '
     "table_gain, cell_stiffness, crosstalk, fmd_inertia. May be repeated.",
 )
-@click.option(
-    "--cell-stiffness", nargs=3, type=float, metavar="KX KY KZ", help="Stiffness [N/m] of one load cell, where it is known."
-)
-@click.option("--fmd", metavar="FILE", help="What is known beforehand of the FMD's moving part: a result file about fmd.")
-@click.option("--any-hardware", is_flag=True, help="Allow a tare of different hardware, say so, and take no FMD off.")
-@click.option("--robust", is_flag=True, help="Limit what single lines may say in the plain fit.")
-@click.option("--study/--no-study", default=True, show_default=True, help="The result over start and stop frequency.")
-@click.option("--plot", is_flag=True, help="Also draw condition, dynamic mass, stability, residuals and shares, under out/.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Write identify.json and the pictures into DIR.")
+@option("--cell-stiffness", nargs=3, type=float, metavar="KX KY KZ", help="Stiffness [N/m] of one load cell, where it is known.")
+@option("--fmd", metavar="FILE", help="What is known beforehand of the FMD's moving part: a result file about fmd.")
+@option("--any-hardware", is_flag=True, help="Allow a tare of different hardware, say so, and take no FMD off.")
+@option("--robust", is_flag=True, help="Limit what single lines may say in the plain fit.")
+@option("--study/--no-study", default=True, show_default=True, help="The result over start and stop frequency.")
+@option("--plot", is_flag=True, help="Also draw condition, dynamic mass, stability, residuals and shares, under out/.")
+@option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Write identify.json and the pictures into DIR.")
 @options.JSON
 @options.FRAME
 @click.pass_context
@@ -97,11 +94,11 @@ def identify_command(ctx: click.Context, /, plot: bool, out: Path | None, as_jso
     answer(IdentifyOptions(**given), frame, as_json=as_json, folder=folder, keep=out is not None)
 
 
-@click.command("check")
-@click.argument("campaign")
+@command("check")
+@argument("campaign")
 @options.JSON
-@click.option("--view", is_flag=True, help="Also draw pick-ups and load cells on the article, under out/.")
-@click.option(
+@option("--view", is_flag=True, help="Also draw pick-ups and load cells on the article, under out/.")
+@option(
     "--out",
     type=click.Path(path_type=Path),
     metavar="FILE",
@@ -165,36 +162,32 @@ def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool, 
         ctx.exit(FAILED_CHECK)
 
 
-@click.command("pretest")
-@click.argument("article")
+@command("pretest")
+@argument("article")
 @options.JSON
-@click.option("--tare", default="fmd+disc+cuboid", show_default=True, metavar="ARTICLE", help="Of known inertia, or none.")
-@click.option("--sensors", type=click.Path(path_type=Path), metavar="CAMPAIGN", help="Channels of a campaign.toml of your own.")
-@click.option("--pattern", default="sweep", show_default=True, metavar="PATTERN", help="sweep, diagonal or multi.")
-@click.option("--runs", type=int, metavar="N", help="12 sweeps instead of 6, the others a quarter period later.")
-@click.option("--level", type=float, default=1.0, show_default=True, metavar="L", help="Factor on the nominal level.")
-@click.option("--band", nargs=2, type=float, default=(4.0, 32.0), show_default=True, metavar="LO HI", help="Frequencies [Hz].")
-@click.option("--octaves-per-minute", type=float, default=2.0, show_default=True, metavar="RATE", help="Rate of the sweeps.")
-@click.option("--cross", type=float, default=0.03, show_default=True, metavar="SHARE", help="Cross motion of the table.")
-@click.option("--seed", type=int, default=0, show_default=True, metavar="N", help="Of the cross motion.")
-@click.option(
+@option("--tare", default="fmd+disc+cuboid", show_default=True, metavar="ARTICLE", help="Of known inertia, or none.")
+@option("--sensors", type=click.Path(path_type=Path), metavar="CAMPAIGN", help="Channels of a campaign.toml of your own.")
+@option("--pattern", default="sweep", show_default=True, metavar="PATTERN", help="sweep, diagonal or multi.")
+@option("--runs", type=int, metavar="N", help="12 sweeps instead of 6, the others a quarter period later.")
+@option("--level", type=float, default=1.0, show_default=True, metavar="L", help="Factor on the nominal level.")
+@option("--band", nargs=2, type=float, default=(4.0, 32.0), show_default=True, metavar="LO HI", help="Frequencies [Hz].")
+@option("--octaves-per-minute", type=float, default=2.0, show_default=True, metavar="RATE", help="Rate of the sweeps.")
+@option("--cross", type=float, default=0.03, show_default=True, metavar="SHARE", help="Cross motion of the table.")
+@option("--seed", type=int, default=0, show_default=True, metavar="N", help="Of the cross motion.")
+@option(
     "--tolerance",
     "tolerances",
     multiple=True,
     metavar="KEY=VALUE",
     help="Of the laboratory, one standard deviation: gain=0.2%, angle=0.2deg. May be repeated.",
 )
-@click.option("--noise", default="1", show_default=True, metavar="FACTOR", help="On the noise of the channels, or off.")
-@click.option("--damping", "damping_ratio", type=float, metavar="RATIO", help="Of every mode, instead of the model's own.")
-@click.option(
-    "--condition-limit", type=float, default=100.0, show_default=True, metavar="C", help="Above it a line is of no use."
-)
-@click.option(
-    "--rigid", "rigid_percent", type=float, default=1.0, show_default=True, metavar="PERCENT", help="Elastic motion allowed."
-)
-@click.option("--lost/--no-lost", default=True, show_default=True, help="Leave out every channel in turn.")
-@click.option("--plot", is_flag=True, help="Draw it, under out/.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="A folder for the JSON and the pictures.")
+@option("--noise", default="1", show_default=True, metavar="FACTOR", help="On the noise of the channels, or off.")
+@option("--damping", "damping_ratio", type=float, metavar="RATIO", help="Of every mode, instead of the model's own.")
+@option("--condition-limit", type=float, default=100.0, show_default=True, metavar="C", help="Above it a line is of no use.")
+@option("--rigid", "rigid_percent", type=float, default=1.0, show_default=True, metavar="PERCENT", help="Elastic motion allowed.")
+@option("--lost/--no-lost", default=True, show_default=True, help="Leave out every channel in turn.")
+@option("--plot", is_flag=True, help="Draw it, under out/.")
+@option("--out", type=click.Path(path_type=Path), metavar="DIR", help="A folder for the JSON and the pictures.")
 @options.SET
 def pretest_command(article: str, as_json: bool, plot: bool, out: Path | None, **given: Any) -> None:
     """Say what six sweeps of ARTICLE on the force measurement device would tell, before anything is mounted.
@@ -209,16 +202,16 @@ def pretest_command(article: str, as_json: bool, plot: bool, out: Path | None, *
     answer(question(article=article, **given), as_json=as_json, plot=plot, out=out)
 
 
-@click.command("laboratory")
-@click.argument("campaigns", nargs=-1, required=True, metavar="CAMPAIGN ...")
-@click.option("--model", metavar="FILE", help="What is known of the laboratory: a model file.  [default: the drawings]")
-@click.option(
+@command("laboratory")
+@argument("campaigns", nargs=-1, required=True, metavar="CAMPAIGN ...")
+@option("--model", metavar="FILE", help="What is known of the laboratory: a model file.  [default: the drawings]")
+@option(
     "--class",
     "tolerance_class",
     metavar="CLASS",
     help="What its tolerances are before it learns: calibrated or as-delivered.  [default: as-delivered, or what FILE says]",
 )
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="Write the file that a model file names.")
+@option("--out", type=click.Path(path_type=Path), metavar="FILE", help="Write the file that a model file names.")
 @options.JSON
 def laboratory_command(
     campaigns: tuple[str, ...], model: str | None, tolerance_class: str | None, out: Path | None, as_json: bool

@@ -5,20 +5,21 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click import argument, command, option
 
 from geometry.errors import BadInput, CheckFailed
 from validation.cli import options
 from validation.verification.check import FAMILIES
 
 
-@click.command("modes")
-@click.argument("article")
+@command("modes")
+@argument("article")
 @options.JSON
 @options.flexible
-@click.option("--against", metavar="MODEL", help="Set another model of the same article beside it: frequencies, MAC, masses.")
-@click.option("--count", type=int, default=20, show_default=True, metavar="N", help="How many modes.")
-@click.option("--shapes", is_flag=True, help="Also draw the first 11 modes on one sheet under out/.")
-@click.option("--mode", "moving", type=int, metavar="N", help="Also write mode N moving: a GIF and an animated glTF under out/.")
+@option("--against", metavar="MODEL", help="Set another model of the same article beside it: frequencies, MAC, masses.")
+@option("--count", type=int, default=20, show_default=True, metavar="N", help="How many modes.")
+@option("--shapes", is_flag=True, help="Also draw the first 11 modes on one sheet under out/.")
+@option("--mode", "moving", type=int, metavar="N", help="Also write mode N moving: a GIF and an animated glTF under out/.")
 def modes_command(
     article: str,
     as_json: bool,
@@ -62,19 +63,17 @@ def modes_command(
 # `massline dynamic-mass`: the blocked 6x6 dynamic mass of an article over frequency.
 
 
-@click.command("dynamic-mass")
-@click.argument("article")
+@command("dynamic-mass")
+@argument("article")
 @options.JSON
 @options.flexible
-@click.option("--against", metavar="MODEL", help="Set another model of the same article beside it.")
-@click.option("--band", nargs=2, type=float, default=(4.0, 32.0), show_default=True, metavar="LO HI", help="Frequencies [Hz].")
-@click.option("--step", type=float, default=0.05, show_default=True, metavar="HZ", help="Distance of two lines.")
-@click.option("--modes", "count", type=int, default=30, show_default=True, metavar="N", help="How many modes to keep.")
-@click.option(
-    "--about", default="article", show_default=True, metavar="POINT", help='F, article (its origin) or a point, "0 0 45 mm".'
-)
-@click.option("--plot", is_flag=True, help="Also draw diagonal and full 6x6 grid under out/.")
-@click.option(
+@option("--against", metavar="MODEL", help="Set another model of the same article beside it.")
+@option("--band", nargs=2, type=float, default=(4.0, 32.0), show_default=True, metavar="LO HI", help="Frequencies [Hz].")
+@option("--step", type=float, default=0.05, show_default=True, metavar="HZ", help="Distance of two lines.")
+@option("--modes", "count", type=int, default=30, show_default=True, metavar="N", help="How many modes to keep.")
+@option("--about", default="article", show_default=True, metavar="POINT", help='F, article (its origin) or a point, "0 0 45 mm".')
+@option("--plot", is_flag=True, help="Also draw diagonal and full 6x6 grid under out/.")
+@option(
     "--out",
     type=click.Path(path_type=Path),
     metavar="FILE",
@@ -126,39 +125,31 @@ def dynamic_mass_command(
         wrote(*draw(found, Path("out")))
 
 
-@click.command("excite")
-@click.argument("article")
+@command("excite")
+@argument("article")
 @options.JSON
 @options.flexible
-@click.option(
-    "--axis", "axes", multiple=True, metavar="AXIS", help="x, y, z, alpha, beta or gamma. May be repeated.  [default: x]"
-)
-@click.option("--all", "every", is_flag=True, help="All six axes, a run each.")
-@click.option("--pattern", default="sweep", show_default=True, metavar="PATTERN", help="sweep, random, burst or multi.")
-@click.option("--band", nargs=2, type=float, default=(4.0, 32.0), show_default=True, metavar="LO HI", help="Frequencies [Hz].")
-@click.option("--octaves-per-minute", type=float, default=2.0, show_default=True, metavar="RATE", help="Rate of a sweep.")
-@click.option("--duration", metavar="TIME", help='Of random (90 s) and burst (4 s), for example "30 s".')
-@click.option("--level", type=float, default=1.0, show_default=True, metavar="FACTOR", help="On the nominal level of each axis.")
-@click.option("--cross", type=float, default=0.03, show_default=True, metavar="SHARE", help="Cross motion of the table.")
-@click.option("--seed", type=int, default=0, show_default=True, metavar="N", help="Of cross motion, noise and bursts.")
-@click.option("--ring-down", default="auto", show_default=True, metavar="TIME", help='Record after the drive: auto, or "5 s".')
-@click.option(
-    "--route", metavar="ROUTE", help="linear, exudyn or large (a base that really turns).  [default: what the rig needs]"
-)
-@click.option("--rate", type=float, default=1024.0, show_default=True, metavar="HZ", help="Sampling rate of the result.")
-@click.option(
-    "--modes", "count", type=int, metavar="N", help="How many modes to keep.  [default: 30, of those that the step follows]"
-)
-@click.option(
-    "--preload", multiple=True, metavar="FORCE", help='Of the cells, which then lift off: "2 kN", or "3=500 N" for one.'
-)
-@click.option("--flange", multiple=True, metavar="KEY=VALUE", help="Compliance: lateral, vertical, rotation, torsion=1e-6.")
-@click.option("--friction", multiple=True, metavar="AXIS=N", help="A loose part on the flange: x=3 N, or x=3,mass:2.")
-@click.option("--cable", multiple=True, metavar="LOC=K", help="Spring to the ground: mast-top=1000, mast-top:lateral=1000 N/m.")
-@click.option("--damper", multiple=True, metavar="LOC=C", help="Damper to the table: mast-top=20 N s/m.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="Also write signals: .uff, .h5, .csv, .mat or .npz.")
-@click.option("--plot", is_flag=True, help="Also draw loads over time and over frequency under out/.")
-@click.option("--animate", is_flag=True, help="Also draw the article passing its largest resonance, a GIF under out/.")
+@option("--axis", "axes", multiple=True, metavar="AXIS", help="x, y, z, alpha, beta or gamma. May be repeated.  [default: x]")
+@option("--all", "every", is_flag=True, help="All six axes, a run each.")
+@option("--pattern", default="sweep", show_default=True, metavar="PATTERN", help="sweep, random, burst or multi.")
+@option("--band", nargs=2, type=float, default=(4.0, 32.0), show_default=True, metavar="LO HI", help="Frequencies [Hz].")
+@option("--octaves-per-minute", type=float, default=2.0, show_default=True, metavar="RATE", help="Rate of a sweep.")
+@option("--duration", metavar="TIME", help='Of random (90 s) and burst (4 s), for example "30 s".')
+@option("--level", type=float, default=1.0, show_default=True, metavar="FACTOR", help="On the nominal level of each axis.")
+@option("--cross", type=float, default=0.03, show_default=True, metavar="SHARE", help="Cross motion of the table.")
+@option("--seed", type=int, default=0, show_default=True, metavar="N", help="Of cross motion, noise and bursts.")
+@option("--ring-down", default="auto", show_default=True, metavar="TIME", help='Record after the drive: auto, or "5 s".')
+@option("--route", metavar="ROUTE", help="linear, exudyn or large (a base that really turns).  [default: what the rig needs]")
+@option("--rate", type=float, default=1024.0, show_default=True, metavar="HZ", help="Sampling rate of the result.")
+@option("--modes", "count", type=int, metavar="N", help="How many modes to keep.  [default: 30, of those that the step follows]")
+@option("--preload", multiple=True, metavar="FORCE", help='Of the cells, which then lift off: "2 kN", or "3=500 N" for one.')
+@option("--flange", multiple=True, metavar="KEY=VALUE", help="Compliance: lateral, vertical, rotation, torsion=1e-6.")
+@option("--friction", multiple=True, metavar="AXIS=N", help="A loose part on the flange: x=3 N, or x=3,mass:2.")
+@option("--cable", multiple=True, metavar="LOC=K", help="Spring to the ground: mast-top=1000, mast-top:lateral=1000 N/m.")
+@option("--damper", multiple=True, metavar="LOC=C", help="Damper to the table: mast-top=20 N s/m.")
+@option("--out", type=click.Path(path_type=Path), metavar="FILE", help="Also write signals: .uff, .h5, .csv, .mat or .npz.")
+@option("--plot", is_flag=True, help="Also draw loads over time and over frequency under out/.")
+@option("--animate", is_flag=True, help="Also draw the article passing its largest resonance, a GIF under out/.")
 def excite_command(
     article: str, as_json: bool, model: str | None, out: Path | None, plot: bool, animate: bool, **given: Any
 ) -> None:
@@ -193,14 +184,14 @@ def excite_command(
     excite(question, Wanted(out=out, plot=plot, animate=animate, as_json=as_json))
 
 
-@click.command("simulate")
-@click.argument("articles", nargs=-1, required=True, metavar="ARTICLE ...")
+@command("simulate")
+@argument("articles", nargs=-1, required=True, metavar="ARTICLE ...")
 @options.JSON
-@click.option("--out", type=click.Path(path_type=Path), required=True, metavar="DIR", help="The new campaign folder.")
-@click.option(
+@option("--out", type=click.Path(path_type=Path), required=True, metavar="DIR", help="The new campaign folder.")
+@option(
     "--effect", "effects", multiple=True, metavar="ID=VALUE", help="Plant an effect: force-gain:fmd-z2=0.08, polarity:fmd-z1."
 )
-@click.option(
+@option(
     "--list-effects",
     is_flag=True,
     expose_value=False,
@@ -208,70 +199,62 @@ def excite_command(
     help="List the effects that can be planted, and stop.",
 )
 @options.effects_from
-@click.option(
-    "--seed", type=int, default=0, show_default=True, metavar="N", help="Of all that is drawn; one seed is one laboratory."
-)
-@click.option(
+@option("--seed", type=int, default=0, show_default=True, metavar="N", help="Of all that is drawn; one seed is one laboratory.")
+@option(
     "--levels", default="1", show_default=True, metavar="L,L", help="Factors on the nominal level: 1,0.5 drives all runs twice."
 )
-@click.option(
+@option(
     "--sealed",
     type=click.Path(path_type=Path),
     metavar="PATH",
     help="Where the truth goes, instead of beside DIR; nothing of it is shown.",
 )
-@click.option(
+@option(
     "--pattern",
     default="sweep",
     show_default=True,
     metavar="PATTERN",
     help="sweep, diagonal (and six of two axes at once) or multi (six at once).",
 )
-@click.option("--runs", type=int, metavar="N", help="12 sweeps instead of 6, the others a quarter period later.")
-@click.option(
-    "--axis", default="", metavar="AXIS", help="x, y or z: a single-axis shaker, one pilot and --response are all it has."
-)
-@click.option("--band", nargs=2, type=float, default=(4.0, 32.0), show_default=True, metavar="LO HI", help="Frequencies [Hz].")
-@click.option("--octaves-per-minute", type=float, default=2.0, show_default=True, metavar="RATE", help="Rate of the sweeps.")
-@click.option("--cross", type=float, default=0.03, show_default=True, metavar="SHARE", help="Cross motion of the table.")
-@click.option(
+@option("--runs", type=int, metavar="N", help="12 sweeps instead of 6, the others a quarter period later.")
+@option("--axis", default="", metavar="AXIS", help="x, y or z: a single-axis shaker, one pilot and --response are all it has.")
+@option("--band", nargs=2, type=float, default=(4.0, 32.0), show_default=True, metavar="LO HI", help="Frequencies [Hz].")
+@option("--octaves-per-minute", type=float, default=2.0, show_default=True, metavar="RATE", help="Rate of the sweeps.")
+@option("--cross", type=float, default=0.03, show_default=True, metavar="SHARE", help="Cross motion of the table.")
+@option(
     "--tolerances",
     default="1",
     show_default=True,
     metavar="FACTOR",
     help="On the ordinary tolerances of laboratory and structure, or off.",
 )
-@click.option("--noise", default="1", show_default=True, metavar="FACTOR", help="On the ordinary noise of the channels, or off.")
-@click.option("--mains", default="1", show_default=True, metavar="FACTOR", help="On the ordinary hum of the mains, or off.")
-@click.option(
-    "--model", default="beam", show_default=True, metavar="MODEL", help="beam, or rigid for an article that does not give."
-)
-@click.option(
+@option("--noise", default="1", show_default=True, metavar="FACTOR", help="On the ordinary noise of the channels, or off.")
+@option("--mains", default="1", show_default=True, metavar="FACTOR", help="On the ordinary hum of the mains, or off.")
+@option("--model", default="beam", show_default=True, metavar="MODEL", help="beam, or rigid for an article that does not give.")
+@option(
     "--damping", "damping_ratio", type=float, metavar="RATIO", help="Damping ratio of every mode, instead of the model's own."
 )
-@click.option("--rate", type=float, default=564.0, show_default=True, metavar="HZ", help="Sampling rate of the records.")
-@click.option(
-    "--format", "form", default="h5", show_default=True, metavar="FORMAT", help="Of the signal files: h5, uff, csv or mat."
-)
-@click.option(
+@option("--rate", type=float, default=564.0, show_default=True, metavar="HZ", help="Sampling rate of the records.")
+@option("--format", "form", default="h5", show_default=True, metavar="FORMAT", help="Of the signal files: h5, uff, csv or mat.")
+@option(
     "--unit", "units", multiple=True, metavar="UNIT", help="Of the signal files where it is not SI: g, kN ... May be repeated."
 )
 @options.SET
-@click.option(
+@option(
     "--test",
     "kind",
     metavar="KIND",
     help="Of MODEL.toml: hammer, shaker, functions, modes, base or base-forces.  [default: hammer]",
 )
-@click.option("--drive", "drives", multiple=True, metavar="PLACE:AXIS", help="Of MODEL.toml, where the force acts. Repeatable.")
-@click.option(
+@option("--drive", "drives", multiple=True, metavar="PLACE:AXIS", help="Of MODEL.toml, where the force acts. Repeatable.")
+@option(
     "--response",
     "responses",
     multiple=True,
     metavar="PLACE:AXIS",
     help="What is read of MODEL.toml, or on ARTICLE beside the 22 channels. Repeatable.",
 )
-@click.option("--block", type=float, metavar="S", help="Of MODEL.toml, length of a block.  [default: until all has rung down]")
+@option("--block", type=float, metavar="S", help="Of MODEL.toml, length of a block.  [default: until all has rung down]")
 @click.pass_context
 def simulate_command(ctx: click.Context, /, articles: tuple[str, ...], out: Path, as_json: bool, **given: Any) -> None:
     """Simulate ARTICLE on the multi-axis shaker, as six sweeps would have recorded it: 22 channels, tolerances, noise, hum.
@@ -314,37 +297,37 @@ def _list(ctx: click.Context, asked: bool) -> None:
     ctx.exit()
 
 
-@click.command("swing")
-@click.argument("article")
+@command("swing")
+@argument("article")
 @options.JSON
 @options.SET
-@click.option("--unit", metavar="UNIT", help="Unit of length of your own mesh file, for example mm.")
-@click.option("--material", metavar="NAME", help="Material of your own file, for every body that has none.")
-@click.option("--animate", is_flag=True, help="Also write the swing as a GIF under out/, or where --out says.")
-@click.option("--plot", is_flag=True, help="Also draw the pendulum and its signal under out/; --out does so anyway.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="FOLDER", help="Write record, measurement file and picture.")
-@click.option("--step", metavar="TIME", help="Step of the integration.  [default: a thousandth of the period or finer]")
-@click.option("--gravity", metavar="G", help='[default: "9.80665 m/s^2"]')
-@click.option("--seed", type=int, default=0, show_default=True, metavar="N", help="Of the noise.")
-@click.option("--noise", metavar="ANGLE", help='Standard deviation of the recorder\'s noise, for example "1 mrad".')
-@click.option("--rate", type=float, default=50.0, show_default=True, metavar="HZ", help="Of the recorder.")
-@click.option("--cycles", type=float, default=20.0, show_default=True, metavar="N", help="To record.")
-@click.option("--start", type=click.Choice(["twist", "push"]), default="twist", show_default=True, help="Let go, or pushed.")
-@click.option("--unequal", metavar="LENGTH", help="By which the first rope is longer than the others.")
-@click.option("--off-centre", metavar="LENGTH[,LENGTH]", help="From where the CoG is thought to be to where it is, on x and y.")
-@click.option("--rope-stiffness", metavar="FORCE", help='EA of each rope, for example "1e6 N"; ropes do not stretch without.')
-@click.option("--links", type=int, metavar="N", help="Of which a rope with mass is made.  [default: 8]")
-@click.option("--rope-mass", metavar="MASS", help="Of all ropes together.")
-@click.option("--damping", metavar="RATIO", help='Viscous, of the twist: 0.01 or "1 %".')
-@click.option("--amplitude", default="0.1 rad", show_default=True, metavar="ANGLE", help="Twist at the start.")
-@click.option("--height", metavar="LENGTH", help="Of the ropes' feet above the CoG.  [default: 100 mm]")
-@click.option("--along", metavar="AXIS", help="The article's axis that lies along two ropes.  [default: z, or x with z upright]")
-@click.option("--axis", default="z", show_default=True, metavar="AXIS", help="The article's axis that is upright: x, y or z.")
-@click.option("--length", default="2 m", show_default=True, metavar="LENGTH", help="Of the ropes, unloaded.")
-@click.option("--s2", metavar="LENGTH", help="From the CoG to the second of two ropes.")
-@click.option("--s1", metavar="LENGTH", help="From the CoG to the first of two ropes.")
-@click.option("--radius", metavar="LENGTH", help="Of the circle of three ropes about the CoG.  [default: 300 mm]")
-@click.option("--ropes", type=int, metavar="N", help="2 or 3.  [default: 3, or 2 with --s1 and --s2]")
+@option("--unit", metavar="UNIT", help="Unit of length of your own mesh file, for example mm.")
+@option("--material", metavar="NAME", help="Material of your own file, for every body that has none.")
+@option("--animate", is_flag=True, help="Also write the swing as a GIF under out/, or where --out says.")
+@option("--plot", is_flag=True, help="Also draw the pendulum and its signal under out/; --out does so anyway.")
+@option("--out", type=click.Path(path_type=Path), metavar="FOLDER", help="Write record, measurement file and picture.")
+@option("--step", metavar="TIME", help="Step of the integration.  [default: a thousandth of the period or finer]")
+@option("--gravity", metavar="G", help='[default: "9.80665 m/s^2"]')
+@option("--seed", type=int, default=0, show_default=True, metavar="N", help="Of the noise.")
+@option("--noise", metavar="ANGLE", help='Standard deviation of the recorder\'s noise, for example "1 mrad".')
+@option("--rate", type=float, default=50.0, show_default=True, metavar="HZ", help="Of the recorder.")
+@option("--cycles", type=float, default=20.0, show_default=True, metavar="N", help="To record.")
+@option("--start", type=click.Choice(["twist", "push"]), default="twist", show_default=True, help="Let go, or pushed.")
+@option("--unequal", metavar="LENGTH", help="By which the first rope is longer than the others.")
+@option("--off-centre", metavar="LENGTH[,LENGTH]", help="From where the CoG is thought to be to where it is, on x and y.")
+@option("--rope-stiffness", metavar="FORCE", help='EA of each rope, for example "1e6 N"; ropes do not stretch without.')
+@option("--links", type=int, metavar="N", help="Of which a rope with mass is made.  [default: 8]")
+@option("--rope-mass", metavar="MASS", help="Of all ropes together.")
+@option("--damping", metavar="RATIO", help='Viscous, of the twist: 0.01 or "1 %".')
+@option("--amplitude", default="0.1 rad", show_default=True, metavar="ANGLE", help="Twist at the start.")
+@option("--height", metavar="LENGTH", help="Of the ropes' feet above the CoG.  [default: 100 mm]")
+@option("--along", metavar="AXIS", help="The article's axis that lies along two ropes.  [default: z, or x with z upright]")
+@option("--axis", default="z", show_default=True, metavar="AXIS", help="The article's axis that is upright: x, y or z.")
+@option("--length", default="2 m", show_default=True, metavar="LENGTH", help="Of the ropes, unloaded.")
+@option("--s2", metavar="LENGTH", help="From the CoG to the second of two ropes.")
+@option("--s1", metavar="LENGTH", help="From the CoG to the first of two ropes.")
+@option("--radius", metavar="LENGTH", help="Of the circle of three ropes about the CoG.  [default: 300 mm]")
+@option("--ropes", type=int, metavar="N", help="2 or 3.  [default: 3, or 2 with --s1 and --s2]")
 def swing_command(
     article: str,
     as_json: bool,
@@ -371,9 +354,9 @@ def swing_command(
     texts = {name: words.pop(name) for name in OPTIONS}
     question = setup(article, Words(texts=texts, **words), asked)
     wanted = {"--plot": plot, "--animate": animate}
-    folders = {"--out": out} if out is not None else {option: Path("out") for option, drawn in wanted.items() if drawn}
-    for option, folder in folders.items():
-        require_folder(folder, option)
+    folders = {"--out": out} if out is not None else {name: Path("out") for name, drawn in wanted.items() if drawn}
+    for name, folder in folders.items():
+        require_folder(folder, name)
     try:
         found = simulated(question, partial(share_done, quiet=as_json))
     except BadInput as error:
@@ -392,10 +375,10 @@ def swing_command(
             click.echo(f"massline: {said}", err=True)
 
 
-@click.command("verify", epilog="Families: " + ", ".join(f"{name} ({words})" for name, words in FAMILIES.items()) + ".")
-@click.argument("families", metavar="[FAMILY]...", nargs=-1, type=click.Choice(tuple(FAMILIES)))
-@click.option("--fine", is_flag=True, help="Finer meshes, a few minutes.")
-@click.option("--markdown", "as_markdown", is_flag=True, help="Print the table in Markdown instead.")
+@command("verify", epilog="Families: " + ", ".join(f"{name} ({words})" for name, words in FAMILIES.items()) + ".")
+@argument("families", metavar="[FAMILY]...", nargs=-1, type=click.Choice(tuple(FAMILIES)))
+@option("--fine", is_flag=True, help="Finer meshes, a few minutes.")
+@option("--markdown", "as_markdown", is_flag=True, help="Print the table in Markdown instead.")
 @options.JSON
 def verify_command(families: tuple[str, ...], fine: bool, as_markdown: bool, as_json: bool) -> None:
     """Check elements, modes and dynamic mass against closed forms, published benchmarks and rates of convergence.

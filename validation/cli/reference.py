@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+from click import argument, command, option
 
 from geometry import toml_file
 from geometry.errors import BadInput, CheckFailed
@@ -19,26 +20,26 @@ TABLES = {"text": ".txt", "markdown": ".md", "csv": ".csv", "latex": ".tex"}
 """Forms of a table, and the endings of their files; what inertia is written for is `geometry.inertia_files.FORMATS`."""
 
 
-@click.command("reference")
-@click.argument("articles", nargs=-1, metavar="[ARTICLE ...]")
+@command("reference")
+@argument("articles", nargs=-1, metavar="[ARTICLE ...]")
 @options.JSON
-@click.option(
+@option(
     "--format",
     "form",
     metavar="FORM",
     help="A table: text (default), markdown, csv, latex. A body or the links of a robot for another program: urdf, mjcf, "
     "sdf, nastran, opensees, adams, toml.",
 )
-@click.option(
+@option(
     "--out",
     type=click.Path(path_type=Path),
     metavar="FILE",
     help="Write there instead of on the screen, whole or not at all; without --format its ending says in which.",
 )
-@click.option("--column", metavar="COLUMN", help="Which column goes to another program.  [default: identified, else first route]")
-@click.option("--link", metavar="LINK", help="Of a robot's links this one alone, as a table.")
-@click.option("--view", is_flag=True, help="Also write a picture of every article under out/.")
-@click.option("--identified", metavar="RESULT", help="Result file for the identified column (see massline validate).")
+@option("--column", metavar="COLUMN", help="Which column goes to another program.  [default: identified, else first route]")
+@option("--link", metavar="LINK", help="Of a robot's links this one alone, as a table.")
+@option("--view", is_flag=True, help="Also write a picture of every article under out/.")
+@option("--identified", metavar="RESULT", help="Result file for the identified column (see massline validate).")
 @options.FRAME
 @options.asked
 def reference_command(
@@ -91,10 +92,10 @@ def reference_command(
         raise BadInput(source="--identified", problem=f"a result is about one article, found {len(names)}", remedy=remedy)
     result = None if identified is None else read_result(identified, article=names[0], frame=pose)
     robots = [name for name in names if Path(name).suffix.lower() in robot.ENDINGS]
-    for option, value in (("--frame", frame), ("--identified", identified), ("--unit", unit), ("--material", material)):
+    for other, value in (("--frame", frame), ("--identified", identified), ("--unit", unit), ("--material", material)):
         if robots and value is not None:
             problem = f"{robots[0]} is a robot, whose links have a frame, a mass and a unit of their own"
-            raise BadInput(source=option, problem=problem, remedy="Leave it out")
+            raise BadInput(source=other, problem=problem, remedy="Leave it out")
     if link is not None and not robots:
         raise BadInput(source="--link", problem="no robot is among the articles", remedy="Name a .urdf, .xml or .sdf file")
     tables: list[ReferenceTable] = []
@@ -140,7 +141,7 @@ def reference_command(
         raise CheckFailed("; ".join(apart))
 
 
-@click.command("cog")
+@command("cog")
 @options.measurement
 def cog_command(file: str, against: str | None, as_json: bool) -> None:
     """Reduce the crane-and-balance test in FILE: CoG height with its tolerance, itemised.
@@ -154,9 +155,9 @@ def cog_command(file: str, against: str | None, as_json: bool) -> None:
     show(readings_or_results(file, "crane-cog", weigh.reduce_cog, ("cog_x", "cog_y", "cog_z")), against, as_json)
 
 
-@click.command("pendulum")
+@command("pendulum")
 @options.measurement
-@click.option("--without", "off", multiple=True, metavar="TERM", help="Leave out a correction: amplitude, damping or rope-mass.")
+@option("--without", "off", multiple=True, metavar="TERM", help="Leave out a correction: amplitude, damping or rope-mass.")
 def pendulum_command(file: str, against: str | None, off: tuple[str, ...], as_json: bool) -> None:
     """Reduce the pendulum periods in FILE: moments of inertia with tolerance, itemised.
 
@@ -179,10 +180,10 @@ def pendulum_command(file: str, against: str | None, off: tuple[str, ...], as_js
 REFERENCES = ("occ", "trimesh", "pinocchio", "published", "measured")
 
 
-@click.command("validate")
-@click.argument("result", metavar="RESULT")
-@click.option("--against", "article", metavar="ARTICLE", required=True, help="The article that RESULT is about.")
-@click.option(
+@command("validate")
+@argument("result", metavar="RESULT")
+@option("--against", "article", metavar="ARTICLE", required=True, help="The article that RESULT is about.")
+@option(
     "--reference",
     "choice",
     type=click.Choice(REFERENCES),
@@ -252,7 +253,7 @@ def validate_command(
         click.echo(f"{check.text}.")
 
 
-@click.command("weigh")
+@command("weigh")
 @options.measurement
 def weigh_command(file: str, against: str | None, as_json: bool) -> None:
     """Reduce the weighing in FILE: mass with its tolerance, itemised.
