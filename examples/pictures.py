@@ -12,6 +12,7 @@ import json
 import sys
 from collections.abc import Sequence
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ import numpy as np
 from geometry import routes
 from geometry.article import Article
 from geometry.articles import NAMES, SETUPS, built_in
+from geometry.dynamic_mass import SIGNS
 from geometry.errors import BadInput
 from validation.classical.swing import Setup, Words, setup, simulated
 from validation.excite.question import Attached, ExciteOptions, drive
@@ -28,9 +30,11 @@ from validation.flexible.dynamic_mass import BAND, STEP, dynamic_mass, lines, re
 from validation.flexible.model import FlexibleOptions, flexible
 from validation.output import inertia_json
 from validation.reference.reference import ArticleOptions as Unchanged
+from validation.report.charts import static, style
 from validation.report.charts.excitation import draw_sheet as draw_driven
+from validation.report.charts.spec import INK
 from validation.report.charts.static import ABOUT, save
-from validation.report.charts.style import DynamicMassCurve, side_by_side
+from validation.report.charts.style import DynamicMassCurve
 from validation.report.excite import RunPicture
 from validation.report.flexible import draw_sheet, note_on
 from validation.report.scenes.scene import drawn_bodies, picture
@@ -101,6 +105,45 @@ def flexible_bodies(folder: Path) -> None:
     note = note_on(drawn[0].mass, "F", "in each article's frame")
     about = json.dumps({name: frequencies(name) for name in SIDE_BY_SIDE})
     side_by_side(title, drawn, folder / "dynamic-mass.png", note, about)
+
+
+def side_by_side(title: str, articles: Sequence[DynamicMassCurve], path: Path, note: str = "", about: str = "") -> None:
+    """Write a picture with one column an article: diagonal of the translations [kg] and of the rotations [kg m²] over frequency.
+
+    A PNG carries the words `about` as its comment.
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    static.require_format(path)
+    figure = static.new_figure(4.6 * len(articles) + 1.0, 9.6)
+    room = {"hspace": 0.09, "wspace": 0.07, "left": 0.06, "right": 0.985, "top": 0.895, "bottom": 0.085}
+    grid = figure.add_gridspec(5, len(articles), height_ratios=(3, 1.15, 0.3, 3, 1.15), **room)
+    rows: dict[int, list[static.Axes]] = {0: [], 3: []}
+    for column, curve in enumerate(articles):
+        for top, entries in ((0, (0, 1, 2)), (3, (3, 4, 5))):
+            upper = figure.add_subplot(grid[top, column], sharey=rows[top][0] if rows[top] else None)
+            lower = figure.add_subplot(grid[top + 1, column], sharex=upper)
+            rows[top].append(upper)
+            for colour, width, i in zip(style.AXES, style.WIDTHS, entries, strict=True):
+                static.draw_curve(upper, lower, replace(curve.entry(i, i), name=SIGNS[i]), colour, width=width)
+                upper.axhline(curve.rigid[i, i], color=colour, linewidth=0.9, linestyle=(0, (5, 3)), alpha=0.6)
+            static.dress_entry(upper, lower, curve.mass.frequency)
+            upper.tick_params(labelleft=column == 0)
+            lower.tick_params(labelleft=column == 0)
+            style.mark(upper, curve, entries)
+            if top == 0:
+                upper.set_title(curve.name, fontsize=13, weight="bold", color=INK, pad=14)
+            if column == 0:
+                upper.set_ylabel(f"|H| [{style.unit(entries[0], entries[0])}]", fontsize=10)
+                lower.set_ylabel("phase [°]", fontsize=10)
+                upper.legend(fontsize=9, loc="upper right", ncols=3, framealpha=0.85, handlelength=1.4)
+            if top == 3:
+                lower.set_xlabel("frequency [Hz]", fontsize=10)
+    for row in rows.values():
+        static.at_least_a_decade(row[0])
+    static.finish(figure, title, note, path, about)
 
 
 def base_excitation(folder: Path) -> None:

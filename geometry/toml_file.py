@@ -433,6 +433,9 @@ SI_UNITS = {
 }
 """The dimensions that users' files use, and the unit in which their values leave here."""
 
+STANDARD_GRAVITY = 9.80665
+"""[m/s²] By definition (3rd CGPM, 1901)."""
+
 FIRST_ORDER_LIMIT = 0.1
 """Relative tolerance above which first order is doubtful: the neglected terms are of the order of its square, 1 %."""
 

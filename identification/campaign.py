@@ -22,7 +22,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array, Pose, frozen
 from geometry.inertia import Observability, of_motions, of_resultants
 from geometry.sensors import SI, Channel, ChannelTable, motion_rows
-from geometry.toml_file import PLAUSIBLE, nearest
+from geometry.toml_file import PLAUSIBLE, STANDARD_GRAVITY, nearest
 from identification.files.files import Samples, Signals, variable
 
 # `Recording`: the samples of one run, every channel on one common axis, in SI.
@@ -276,7 +276,6 @@ class Campaign:
 
 # Units of signal files. A channel states its own; its samples are multiplied once, where they are read.
 
-STANDARD_GRAVITY = 9.80665
 POUND_FORCE = 4.4482216152605
 FOOT, INCH = 0.3048, 0.0254
 

@@ -375,17 +375,6 @@ def load_cells(changes: Mapping[str, float] = NO_CHANGES) -> Array:
     return np.tile([cell["lateral_stiffness_N_m"], cell["lateral_stiffness_N_m"], cell["axial_stiffness_N_m"]], (4, 1))
 
 
-def frequencies(frame: Frame, count: int) -> Array:
-    """The lowest `count` eigenfrequencies (count,) [Hz] with the base held, ascending."""
-    from scipy.linalg import eigh
-
-    K = sum(frame.stiffness.values(), np.zeros_like(frame.mass))
-    n = len(K) - BASE
-    # The largest of M x = mu K x: what an eigen-solver loses to rounding is a share of the largest value, and here that is ours.
-    inverse = eigh(frame.mass[BASE:, BASE:], K[BASE:, BASE:], eigvals_only=True, subset_by_index=[n - count, n - 1])
-    return np.asarray(1 / np.sqrt(inverse[::-1]) / (2 * np.pi))
-
-
 def _plan(name: str, changes: Mapping[str, float], elements: int, cells: npt.ArrayLike | None, joints: Sequence[Joint]) -> Plan:
     """One article in its own frame."""
     (file,) = dimension_files(name)

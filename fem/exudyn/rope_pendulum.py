@@ -25,6 +25,7 @@ from fem.exudyn.run import exudyn_version, failed, finite, integrated, running, 
 from geometry.errors import CheckFailed
 from geometry.frames import Array, freeze
 from geometry.inertia import Inertia
+from geometry.toml_file import STANDARD_GRAVITY
 
 # The rope pendulum made of exudyn's items.
 #
@@ -267,9 +268,6 @@ class Watch:
         error.evidence |= {"time": self.now * self.step, "step": self.now, "state": state}
         return error
 
-
-STANDARD_GRAVITY = 9.80665
-"""[m/s²]"""
 
 STEPS = 1000
 """Steps a period where nothing else is said."""

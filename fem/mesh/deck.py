@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.gravity import STANDARD
 from fem.mesh import files
 from fem.mesh.constraints import Term
 from fem.mesh.deck_content import Deck, Elastic, numbers_of, read_cards
@@ -19,6 +18,7 @@ from fem.user_model.units import KNOWN, UnitSystem, unit_system
 from geometry import toml_file
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
+from geometry.toml_file import STANDARD_GRAVITY
 
 ELASTIC, DENSE, SOUND = (1e6, 1.3e12), (5.0, 22_600.0), (30.0, 14_000.0)
 """Young's modulus [Pa], density [kg/m³] and speed of sound [m/s] between which materials lie, from soft rubber and foam to
@@ -71,7 +71,7 @@ def _system(deck: Deck, source: str, named: str | None) -> UnitSystem:
         raise BadInput(source=source, problem=what, remedy=f"Masses are asked for: write a deck with densities, or {itself}")
     known = [unit_system(name, source) for name in KNOWN] if named is None else [unit_system(named, source, "--units")]
     fitting = [one for one in known if _believed(deck, one)]
-    g = {one.name: STANDARD * one.time**2 / one.length for one in known}
+    g = {one.name: STANDARD_GRAVITY * one.time**2 / one.length for one in known}
     weights = [one.name for one in known if not fitting and _believed(deck, one, 1 / g[one.name])]
     if len(weights) == 1:
         own, remedy = g[weights[0]], "Divide them by {0:.6g}, or write PARAM,WTMASS,{1:.6g} in bulk data"

@@ -381,7 +381,7 @@ SLIPS = {
     14.593903: "slugs for kilograms",
     2.2046226: "pounds for kilograms",
     386.08858: "weight for mass in inches and pounds (no WTMASS)",
-    9.80665: "weight for mass (no division by g)",
+    toml_file.STANDARD_GRAVITY: "weight for mass (no division by g)",
 }
 """Ratios that a mass is off by when units are confused, or their inverse."""
 

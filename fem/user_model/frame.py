@@ -25,7 +25,6 @@ from typing import Any
 import numpy as np
 
 from fem.beam import elements, frame
-from fem.gravity import STANDARD
 from fem.mesh.description import PartTable, Profile
 from fem.mesh.places import LINE, Block, Elements
 from fem.structure import Sparse, Structure
@@ -34,6 +33,7 @@ from geometry import article, toml_file
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers
 from geometry.inertia import Inertia
+from geometry.toml_file import STANDARD_GRAVITY
 
 KEYS = (
     *("name", "kind", "nodes", "fixed", "support", "moves", "members", "section", "material", "masses", "elements"),
@@ -152,7 +152,7 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
         raise BadInput(source=source, field=f"{where}.masses", problem="nothing has mass", remedy="State masses, or a density")
     down = np.tile(np.concatenate([_direction(table.get("down", "-z"), source, f"{where}.down"), np.zeros(3)]), len(points))
     weights = [(count if name in _names(members) else 1.0) * M @ down for name, M in part_mass.items()]
-    loads = STANDARD * np.sum(weights, axis=0)
+    loads = STANDARD_GRAVITY * np.sum(weights, axis=0)
     bent = [6 * k + m for k, name in enumerate(names) for m in range(6) if name in fixed]
     geometric = _geometric(plan, members, np.sum(list(made.stiffness.values()), axis=0), loads, bent, size, count) if bent else {}
     free = np.setdiff1d(np.arange(size), [] if support == "base" else held)

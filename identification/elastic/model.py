@@ -137,21 +137,16 @@ def by_answers(mass_matrix: npt.ArrayLike, terms: ElasticTerms, frequency: npt.A
     return np.asarray(mass_matrix, dtype=np.complex128) + _squares(frequency) * (terms.participation.T @ X + terms.residual)
 
 
-def derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLayout | None = None) -> ComplexArray:
-    """Derivatives (k, n, 6, 6) of H at `frequency` (n,) [Hz] by the vector of `layout`, by default the one of `terms`.
-
-    They do not depend on the ten inertia parameters, in which H is linear.
-    """
-    return whole(upper_derivatives(terms, frequency, layout or layout_of(terms)))
-
-
 def whole(upper: ComplexArray) -> ComplexArray:
     """Symmetric (..., 6, 6) from its entries (..., 21) in `UPPER`."""
     return upper[..., _PLACE].reshape(*upper.shape[:-1], 6, 6)
 
 
 def upper_derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLayout) -> ComplexArray:
-    """The same (k, n, 21) for the entries in `UPPER`, all that a symmetric matrix has."""
+    """Derivatives (k, n, 21) of the entries of H in `UPPER`, all that a symmetric matrix has, by the vector of `layout`.
+
+    They do not depend on the ten inertia parameters, in which H is linear.
+    """
     blocks, (common, answer) = layout.blocks, parts(terms, frequency, layout, answers(terms, frequency))
     out = np.zeros((layout.size, common.shape[2], 21), dtype=np.complex128)
     out[: len(common)] = common.transpose(0, 2, 1)

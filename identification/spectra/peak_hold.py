@@ -182,12 +182,6 @@ class LoneMode:
         return float(np.angle(np.sum((self.residues / np.abs(self.residues)) ** 2)) / 2)
 
 
-def kept(frequency: float, damping_ratio: float, duration: float) -> complex:
-    """1 - exp(lambda T): what is kept of a mode's resonance at the lines k / T of a record of `duration` T [s]."""
-    omega = 2 * np.pi * frequency
-    return complex(1 - np.exp((-damping_ratio + 1j) * omega * duration))
-
-
 def lone_mode(frequency: npt.ArrayLike, accelerances: npt.ArrayLike, near: float, damping_ratio: float = 0.002) -> LoneMode:
     """The mode that `accelerances` (n, k) at the lines `frequency` (n,) [Hz] show around it, beside a constant for all others.
 

@@ -29,3 +29,7 @@ def test_half_of_a_normal_interval_is_written_once_with_all_its_digits(share: fl
     found = written(exact - 1e-3, exact + 1e-3)
     assert len(found) == 1, found
     assert float(found[0].rpartition(" ")[2]) == pytest.approx(exact, rel=1e-15)
+
+
+def test_standard_gravity_is_written_once() -> None:
+    assert written(9.8066, 9.8067) == ["geometry.toml_file: 9.80665"]

@@ -22,6 +22,7 @@ from geometry.articles.parts import FOUR_BLADES, ONE_BLADE, Dimensions, load
 from geometry.errors import BadInput
 from geometry.frames import rigid_transformation_6
 from geometry.routes import inertia as drawn_inertia
+from tools.reconstruction import frequencies
 
 CONFIGURATIONS = {"clumod-4": (FOUR_BLADES, "four_blades"), "clumod-1": (ONE_BLADE, "one_blade")}
 STACKS = (*NAMES, *SETUPS, "disc+cuboid", "disc+disc")
@@ -39,16 +40,16 @@ def test_frequencies_of_the_reconstruction_survived_the_cad_detail(name: str, sh
     """To what the re-solve leaves to modes that the paper does not print; for those see below."""
     blades, key = CONFIGURATIONS[name]
     modes = json.loads((shared / "clumod" / "reconstruction.json").read_text())["achieved"][key]["f_Hz"]
-    assert_allclose(articles.frequencies(assemble(articles.clumod_plan(blades, load("clumod"))), len(modes)), modes, rtol=0.03)
+    assert_allclose(frequencies(assemble(articles.clumod_plan(blades, load("clumod"))), len(modes)), modes, rtol=0.03)
 
 
 def test_published_mode_structure_holds() -> None:
-    four = articles.frequencies(assemble(articles.clumod_plan(FOUR_BLADES, load("clumod"))), 12)
+    four = frequencies(assemble(articles.clumod_plan(FOUR_BLADES, load("clumod"))), 12)
     assert four[0] == pytest.approx(5.70, abs=0.05)
     assert four[10] == pytest.approx(15.50, abs=0.05)
     assert np.sum(np.abs(four - 12.3) <= 0.15) == 4
     assert four[11] >= 37.7
-    one = articles.frequencies(assemble(articles.clumod_plan(ONE_BLADE, load("clumod"))), 6)
+    one = frequencies(assemble(articles.clumod_plan(ONE_BLADE, load("clumod"))), 6)
     assert one[0] == pytest.approx(11.6, abs=0.05)
     assert np.sum(one < 50) == 5
 
@@ -151,14 +152,12 @@ def test_joint_between_ports_of_the_mast_acts_as_a_member_between_its_nodes() ->
     section = _massless(plan.members[0].section)
     ends = tuple(int(np.argmin(np.abs(plan.nodes - [0, 0, z]).sum(axis=1))) for z in (LOWER, UPPER))
     doubled = replace(plan, members=(*plan.members, Member(nodes=ends, section=section, z_axis=np.eye(3)[0], part="mast")))
-    expected = articles.frequencies(assemble(doubled), 6)
+    expected = frequencies(assemble(doubled), 6)
     stiffness = _between(LOWER, UPPER, section)
     turned = np.roll(np.arange(12), 6)
     for joint in (Joint(ports=ports, stiffness=stiffness), Joint(ports=ports[::-1], stiffness=stiffness[np.ix_(turned, turned)])):
-        assert_allclose(
-            articles.frequencies(assemble(articles.clumod_plan(ONE_BLADE, d, joints=[joint])), 6), expected, rtol=1e-9
-        )
-    assert np.all(expected >= articles.frequencies(assemble(plan), 6))
+        assert_allclose(frequencies(assemble(articles.clumod_plan(ONE_BLADE, d, joints=[joint])), 6), expected, rtol=1e-9)
+    assert np.all(expected >= frequencies(assemble(plan), 6))
 
 
 def test_joint_at_a_crossing_keeps_mass_and_rigid_motions_and_belongs_to_its_part() -> None:
@@ -330,7 +329,7 @@ def test_a_joint_of_four_blades_serves_one(joint: Joint, piece: ClumodPiece, dim
     assert [(port.member, port.at) for port in own.ports] == [(port.member, port.at) for port in piece.ports]
     assert_array_equal(articles.beam_flexibility(own), articles.beam_flexibility(piece))
     plain, jointed = (
-        articles.frequencies(assemble(articles.clumod_plan(ONE_BLADE, dimensions, joints=joints)), 5) for joints in ((), (joint,))
+        frequencies(assemble(articles.clumod_plan(ONE_BLADE, dimensions, joints=joints)), 5) for joints in ((), (joint,))
     )
     change = jointed / plain - 1
     assert np.abs(change).max() < 0.05

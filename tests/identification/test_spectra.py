@@ -12,7 +12,7 @@ from scipy.signal import lfilter
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
 from identification.spectra.line_spectra import _folded, full_record
-from identification.spectra.peak_hold import applied, kept, lone_mode, model_lines, peak_reference_hold
+from identification.spectra.peak_hold import applied, lone_mode, model_lines, peak_reference_hold
 
 RATE = 512.0
 LINES = np.linspace(4.0, 32.0, 57)
@@ -157,6 +157,11 @@ def test_a_model_at_other_lines_is_refused() -> None:
     model = DynamicMass(frequency=np.array([4.0, 4.05]), matrix=np.zeros((2, 6, 6)))
     with pytest.raises(BadInput, match="model_lines"):
         applied(model, np.tile(x[:, None], 6), HELD_RATE, x, [8.0], block_size=SIZE)
+
+
+def kept(frequency: float, damping_ratio: float, duration: float) -> complex:
+    """1 - exp(lambda T): what is kept of a mode's resonance at the lines k / T of a record of `duration` T [s]."""
+    return complex(1 - np.exp((-damping_ratio + 1j) * 2 * np.pi * frequency * duration))
 
 
 OWN, ZETA, T = 6.5127, 0.00156, 32.0

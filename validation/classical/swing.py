@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from fem.exudyn.rope_pendulum import STANDARD_GRAVITY, Progress, Swing, small_period, swing
+from fem.exudyn.rope_pendulum import Progress, Swing, small_period, swing
 from fem.exudyn.rope_statics import Suspension, hung, lying, on_three_ropes, on_two_ropes, require_positive
 from geometry.atomic import write_text
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen
 from geometry.inertia import Inertia
-from geometry.toml_file import string
+from geometry.toml_file import STANDARD_GRAVITY, string
 from validation.classical import pendulum
 from validation.classical.files import read
 from validation.classical.pendulum import LEAST_CYCLES, LEAST_SAMPLES, Decay, rope_amplitude_factor, rope_pendulum

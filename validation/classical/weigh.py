@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from uncertainties import umath
 
-from geometry.toml_file import exact, tagged
+from geometry.toml_file import STANDARD_GRAVITY, exact, tagged
 from validation.classical.files import HEAD, Fields, Reduction
 
 if TYPE_CHECKING:
@@ -169,10 +169,6 @@ def reduce(file: Fields) -> Reduction:
 #     support_offset = "-30 +/- 2 mm"
 
 
-STANDARD_GRAVITY = 9.80665
-"""[m/s²], where a file states none; only the rope's force depends on it."""
-
-
 def cog_height(
     *,
     mass: "UFloat",
@@ -215,6 +211,7 @@ def reduce_cog(file: Fields) -> Reduction:
         carried = f"the balance carries {reading.nominal_value:.6g} kg of {mass.nominal_value:.6g} kg"
         remedy = "Check the mass, the tare of the supports and the reading; the CoG lies between rope and support"
         raise file.refused("reading", f"{carried}: the rope would have to push", remedy)
+    # Only the rope's force depends on it
     gravity = file.positive("gravity", "acceleration") if "gravity" in file.table else exact(STANDARD_GRAVITY)
     fields = file.inner("distances").only(("rope", "support", "inclination", "rope_offset", "support_offset"))
     rope, support = (fields.quantity(key, "length", f"{key} position") for key in ("rope", "support"))

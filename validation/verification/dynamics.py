@@ -22,7 +22,7 @@ from fem.beam.elements import Section
 from fem.damping import Damping
 from fem.dynamic_mass import direct, modal
 from fem.exudyn import driven_run
-from fem.exudyn.rope_pendulum import STANDARD_GRAVITY, swing
+from fem.exudyn.rope_pendulum import swing
 from fem.exudyn.rope_statics import Suspension, on_three_ropes, on_two_ropes
 from fem.modes import Modes, fixed_base
 from fem.solid.model import of_mesh
@@ -32,6 +32,7 @@ from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.frames import Array
 from geometry.inertia import Inertia
 from geometry.routes import inertia
+from geometry.toml_file import STANDARD_GRAVITY
 from identification.dynamic_mass import Estimate, from_runs
 from identification.spectra.line_spectra import full_record
 from validation.classical.pendulum import from_signal, rope_amplitude_factor, rope_pendulum

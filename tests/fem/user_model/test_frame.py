@@ -7,11 +7,11 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 
-from fem.gravity import STANDARD
 from fem.modes import fixed_base, lowest
 from fem.structure import hold, place_rows
 from fem.user_model import frame, reading
 from geometry.errors import BadInput
+from geometry.toml_file import STANDARD_GRAVITY
 
 E, MASS, L, WIDTH, THICKNESS = 210e9, 1.83, 0.2, 80e-3, 1e-3
 I = WIDTH * THICKNESS**3 / 12
@@ -52,7 +52,7 @@ def test_a_building_of_thin_walls_is_a_chain_of_masses_on_twelve_ei_over_l_cubed
 
 def test_the_weight_above_takes_six_fifths_of_itself_over_the_height_from_a_storey():
     found = frame.structure(BUILDING, "building")
-    weights = STANDARD * MASS * np.array([3, 2, 1])
+    weights = STANDARD_GRAVITY * MASS * np.array([3, 2, 1])
     share = 1.2 * weights / L / STOREY
     assert_allclose(100 * share, [7.7, 5.1, 2.6], atol=0.05)  # as the data of the building say
     gravity = sum(one.toarray() for one in found.geometric.values())

@@ -77,7 +77,7 @@ def test_packing_and_unpacking_is_the_identity(coupled: bool) -> None:
 def test_derivatives_are_the_differences_of_the_model(coupled: bool) -> None:
     given = terms(4, coupled=coupled)
     layout = model.layout_of(given)
-    x, analytic = model.pack(PARAMETERS, given), model.derivatives(given, SOME_LINES)
+    x, analytic = model.pack(PARAMETERS, given), model.whole(model.upper_derivatives(given, SOME_LINES, layout))
 
     def mass_at(vector: np.ndarray) -> np.ndarray:
         parameters, moved = model.unpack(vector, layout)

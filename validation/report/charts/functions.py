@@ -8,7 +8,8 @@ import numpy as np
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
-from identification.campaign import POUND_FORCE, STANDARD_GRAVITY
+from geometry.toml_file import STANDARD_GRAVITY
+from identification.campaign import POUND_FORCE
 from validation.compare.correlation import GREEN, ModalCorrelation, ModePair, NamedMode
 from validation.output import two_digits
 from validation.report.charts import spec

@@ -4,7 +4,7 @@ The rigid body's line is drawn in, since the way a curve leaves it is the whole 
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import chain, count
 from pathlib import Path
 from typing import Any, Protocol
@@ -14,7 +14,7 @@ import numpy as np
 from geometry.dynamic_mass import SIGNS, ComplexArray, DynamicMass
 from geometry.frames import Array
 from validation.report.charts import static
-from validation.report.charts.spec import COLOURS, CURVES, FAINT, INK, Curve, EntryPanel
+from validation.report.charts.spec import COLOURS, CURVES, FAINT, Curve, EntryPanel
 
 # Colours: one a material, the same in every picture; red, green and blue belong to the principal axes 1, 2 and 3.
 
@@ -58,7 +58,7 @@ ROOM_FOR_A_FIGURE = 0.075
 """Of the width of a panel."""
 
 TITLE_ABOVE_FIGURES = 13
-"""Points between a panel and its title, so that the figures of `_mark` stand below it."""
+"""Points between a panel and its title, so that the figures of `mark` stand below it."""
 
 FEW = 3
 """Names that a legend inside a panel has at most."""
@@ -130,7 +130,7 @@ def diagonal(title: str, curves: Sequence[DynamicMassCurve], path: Path, note: s
         lower = figure.add_subplot(grid[top + 1, column], sharex=upper)
         static.draw_entry(upper, lower, entry_of(curves, i, i))
         upper.set_title(f"$H_{{{SIGNS[i]}{SIGNS[i]}}}$", fontsize=12, loc="left", pad=TITLE_ABOVE_FIGURES)
-        _mark(upper, curves[0], (i,))
+        mark(upper, curves[0], (i,))
         upper.set_ylabel(f"|H| [{unit(i, i)}]", fontsize=9.5)
         lower.set_ylabel("phase [°]", fontsize=9.5)
         if i >= 3:
@@ -193,7 +193,7 @@ def chosen(title: str, panels: Sequence[tuple[str, int, int, Sequence[DynamicMas
             upper.text(0.02, 0.04, f"{nothing}: nothing", transform=upper.transAxes, fontsize=9, color=FAINT)
         upper.set_title(f"$H_{{{SIGNS[i]}{SIGNS[j]}}}$", fontsize=12, loc="left", pad=TITLE_ABOVE_FIGURES)
         upper.set_title(words, fontsize=9.5, loc="right", color=FAINT, pad=TITLE_ABOVE_FIGURES, parse_math=False)
-        _mark(upper, curves[0], (i, j))
+        mark(upper, curves[0], (i, j))
         low, high = upper.get_ylim()
         upper.set_ylim(max(low, high / DEEPEST), high)
         upper.set_ylabel(f"|H| [{unit(i, j)}]", fontsize=9.5)
@@ -220,44 +220,6 @@ def _names(figure: static.Figure, curves: Sequence[DynamicMassCurve]) -> None:
     figure.legend(handles=list(handles.values()), ncols=len(handles), fontsize=10, frameon=False, **place)
 
 
-def side_by_side(title: str, articles: Sequence[DynamicMassCurve], path: Path, note: str = "", about: str = "") -> None:
-    """Write a picture with one column an article: diagonal of the translations [kg] and of the rotations [kg m²] over frequency.
-
-    A PNG carries the words `about` as its comment.
-
-    Raises
-    ------
-    BadInput : the ending of `path` is unknown.
-    """
-    static.require_format(path)
-    figure = static.new_figure(4.6 * len(articles) + 1.0, 9.6)
-    grid = figure.add_gridspec(5, len(articles), height_ratios=(3, 1.15, 0.3, 3, 1.15), hspace=0.09, wspace=0.07, **_ROOM)
-    rows: dict[int, list[static.Axes]] = {0: [], 3: []}
-    for column, curve in enumerate(articles):
-        for top, entries in ((0, (0, 1, 2)), (3, (3, 4, 5))):
-            upper = figure.add_subplot(grid[top, column], sharey=rows[top][0] if rows[top] else None)
-            lower = figure.add_subplot(grid[top + 1, column], sharex=upper)
-            rows[top].append(upper)
-            for colour, width, i in zip(AXES, WIDTHS, entries, strict=True):
-                static.draw_curve(upper, lower, replace(curve.entry(i, i), name=SIGNS[i]), colour, width=width)
-                upper.axhline(curve.rigid[i, i], color=colour, linewidth=0.9, linestyle=(0, (5, 3)), alpha=0.6)
-            static.dress_entry(upper, lower, curve.mass.frequency)
-            upper.tick_params(labelleft=column == 0)
-            lower.tick_params(labelleft=column == 0)
-            _mark(upper, curve, entries)
-            if top == 0:
-                upper.set_title(curve.name, fontsize=13, weight="bold", color=INK, pad=14)
-            if column == 0:
-                upper.set_ylabel(f"|H| [{unit(entries[0], entries[0])}]", fontsize=10)
-                lower.set_ylabel("phase [°]", fontsize=10)
-                upper.legend(fontsize=9, loc="upper right", ncols=3, framealpha=0.85, handlelength=1.4)
-            if top == 3:
-                lower.set_xlabel("frequency [Hz]", fontsize=10)
-    for row in rows.values():
-        static.at_least_a_decade(row[0])
-    static.finish(figure, title, note, path, about)
-
-
 def unit(row: int, column: int) -> str:
     """Unit of an entry of H."""
     return ("kg", "kg m", "kg m²")[(row >= 3) + (column >= 3)]
@@ -282,7 +244,7 @@ def _vanishes(H: ComplexArray, i: int, j: int) -> bool:
     return bool(np.abs(H[:, i, j]).max() <= NOTHING * np.abs(H[:, rows, columns]).max())
 
 
-def _mark(upper: static.Axes, curve: DynamicMassCurve, entries: Sequence[int]) -> None:
+def mark(upper: static.Axes, curve: DynamicMassCurve, entries: Sequence[int]) -> None:
     """Ticks on the upper edge at the eigenfrequencies that a diagonal entry of `entries` shows, with figures where they fit."""
     low, high = upper.get_xlim()
     whole = np.diag(curve.rigid)[list(entries)]
