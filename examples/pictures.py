@@ -198,7 +198,8 @@ def curve(name: str) -> DynamicMassCurve:
     model = flexible(name, "beam", FlexibleOptions(count=30))
     point = reference_point("F", name)[1]
     H, at_rest = (dynamic_mass(model, f, point) for f in (lines(BAND, STEP), np.zeros(1)))
-    return DynamicMassCurve(name=SIDE_BY_SIDE[name], mass=H, rigid=at_rest.matrix[0].real, modes=model.modes)
+    marks = {"marked": model.modes.frequency, "effective_mass": model.modes.effective_mass}
+    return DynamicMassCurve(name=SIDE_BY_SIDE[name], mass=H, rigid=at_rest.matrix[0].real, **marks)
 
 
 def frequencies(name: str) -> list[float]:

@@ -12,7 +12,7 @@ from geometry.dynamic_mass import DynamicMass
 from geometry.frames import rigid_transformation_6
 from validation.cli import main
 from validation.flexible.dynamic_mass import apart, lines, peaks, reference_point
-from validation.report.charts.style import DynamicMassCurve, side_by_side
+from validation.report.charts.style import DynamicMassCurve
 
 
 def matrices(said: dict[str, Any]) -> np.ndarray:
@@ -80,7 +80,13 @@ def test_plots_show_curves_and_say_where_they_are(run, tmp_path):
         assert pixels[:6].min() > 240  # nothing is cut off at the edge
 
 
-def test_articles_stand_side_by_side(tmp_path):
+def marks(modes: Any) -> dict[str, Any]:
+    return {"marked": modes.frequency, "effective_mass": modes.effective_mass}
+
+
+def test_articles_stand_side_by_side(root, tmp_path):
+    import runpy
+
     from PIL import Image
 
     from validation.flexible.model import FlexibleOptions, flexible
@@ -88,7 +94,8 @@ def test_articles_stand_side_by_side(tmp_path):
     model = flexible("clumod-1", "beam", FlexibleOptions(count=5))
     f = np.linspace(4, 32, 29)
     H = DynamicMass(frequency=f, matrix=np.tile(model.modes.rigid_mass.astype(complex), (29, 1, 1)))
-    curve = DynamicMassCurve(name="one", mass=H, rigid=model.modes.rigid_mass, modes=model.modes)
+    curve = DynamicMassCurve(name="one", mass=H, rigid=model.modes.rigid_mass, **marks(model.modes))
+    side_by_side = runpy.run_path(str(root / "examples" / "pictures.py"))["side_by_side"]
     side_by_side("Two", [curve, curve], tmp_path / "two.png")
     with Image.open(tmp_path / "two.png") as picture:
         assert np.asarray(picture.convert("L")).std() > 10
@@ -171,7 +178,7 @@ def test_figures_of_resonances_stand_clear_of_a_panels_title(monkeypatch, tmp_pa
     modes = fixed_base(articles.structure("clumod-4"), 20)
     mass = modal(modes, np.linspace(4, 32, 57))
     monkeypatch.setattr(static, "finish", lambda figure, *rest: pages.append(figure))
-    style.diagonal("x", [DynamicMassCurve(name="beam", mass=mass, rigid=modes.rigid_mass, modes=modes)], tmp_path / "x.png")
+    style.diagonal("x", [DynamicMassCurve(name="beam", mass=mass, rigid=modes.rigid_mass, **marks(modes))], tmp_path / "x.png")
     (figure,) = pages
     figure.canvas.draw()
     figures = [(axes, text) for axes in figure.axes for text in axes.texts]

@@ -9,7 +9,6 @@ import numpy as np
 
 from geometry.atomic import write_text
 from geometry.dynamic_mass import SIGNS, DynamicMass
-from geometry.frames import Array
 from validation.compare.compare import Comparison, compared, run, text, worst_pairs
 from validation.compare.correlation import FunctionCorrelation, ModalCorrelation, NamedMode
 from validation.compare.maps import Map
@@ -300,14 +299,6 @@ NOTE = "What the plain fit leaves, in standard deviations of noise, a model erro
 THRESHOLD = f"Beyond {spec.CHANCE:g} (black bar of the scale) it is no chance. Triangles: modes of the model."
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Marks:
-    """Modes as resonances to be marked."""
-
-    frequency: Array
-    effective_mass: Array
-
-
 def draw(found: Comparison, folder: Path) -> tuple[Path, ...]:
     """Write every picture that `found` has the evidence for into `folder`, and say where they are."""
     made: list[Path] = []
@@ -336,13 +327,13 @@ def draw(found: Comparison, folder: Path) -> tuple[Path, ...]:
     panels = []
     for pair in worst_pairs(found.maps, PAIRS) if known else ():
         pairs, modes = known[pair.data_set]
-        marks = _Marks(frequency=np.array([one.frequency for one in modes]), effective_mass=np.full((len(modes), 6), np.inf))
         curves = tuple(
             DynamicMassCurve(
                 name=name,
                 mass=DynamicMass(frequency=pairs.frequency, matrix=matrix),
                 rigid=np.zeros((6, 6)),
-                modes=marks,
+                marked=np.array([one.frequency for one in modes]),
+                effective_mass=np.full((len(modes), 6), np.inf),
                 dots=dots,
             )
             for matrix, name, dots in ((pairs.predicted, "predicted", ""), (pairs.measured, "measured", spec.MEASURED))

@@ -444,7 +444,13 @@ def moved_bodies(model: Flexible, shapes: Array) -> tuple[Moved, ...]:
 def draw(found: Curves, folder: Path) -> tuple[Path, ...]:
     """Write the diagonal and the full 6x6 grid of `found` into `folder`, and say where they are."""
     drawn = [
-        DynamicMassCurve(name=f"{model.model} model", mass=mass, rigid=found.rigid, modes=model.modes)
+        DynamicMassCurve(
+            name=f"{model.model} model",
+            mass=mass,
+            rigid=found.rigid,
+            marked=model.modes.frequency,
+            effective_mass=model.modes.effective_mass,
+        )
         for model, mass in zip(found.models, found.masses, strict=True)
     ]
     stem = file_name(f"dynamic-mass-{found.article}-{'-'.join(model.model for model in found.models)}")

@@ -251,14 +251,6 @@ SHARP = 0.05
 POINT = "about F; loads of the table on the article"
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Terms:
-    """Elastic terms as resonances to be marked, in ascending order."""
-
-    frequency: Array
-    effective_mass: Array
-
-
 def uncertainty_shares(results: Sequence[Reported]) -> list[identification.UncertaintyShares]:
     """Where the uncertainty of each of `results` comes from, beside its intervals."""
     return [
@@ -340,17 +332,17 @@ class IdentificationPictures:
         rigid = best.inertia.mass_matrix if found.rigid is None else found.rigid
         terms, fine = best.elastic, np.linspace(H.frequency[0], H.frequency[-1], FINE)
         if terms is None:
-            modes = _Terms(frequency=np.zeros(0), effective_mass=np.zeros((0, 6)))
+            marked, carried = np.zeros(0), np.zeros((0, 6))
             fitted, count = np.tile(rigid + 0j, (FINE, 1, 1)), 0
         else:
             sharp = np.flatnonzero(terms.damping_ratio < SHARP)
             order = sharp[np.argsort(terms.frequency[sharp])]
-            modes = _Terms(frequency=terms.frequency[order], effective_mass=terms.participation[order] ** 2)
+            marked, carried = terms.frequency[order], terms.participation[order] ** 2
             fitted, count = dynamic_mass(rigid, terms, fine), len(terms.frequency)
 
         def curve(name: str, frequency: Array, matrix: ComplexArray, dots: str = "") -> DynamicMassCurve:
             mass = DynamicMass(frequency=frequency, matrix=matrix, reference_point=H.reference_point)
-            return DynamicMassCurve(name=name, mass=mass, rigid=rigid, modes=modes, dots=dots)
+            return DynamicMassCurve(name=name, mass=mass, rigid=rigid, marked=marked, effective_mass=carried, dots=dots)
 
         kept = np.ones(len(H.frequency), dtype=bool) if found.lines is None else found.lines.kept > 0
         made = []

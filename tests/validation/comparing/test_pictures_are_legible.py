@@ -79,15 +79,10 @@ def test_the_legend_of_the_errors_stands_below_the_title(name, drawn, tmp_path):
     assert not any(box(legend).overlaps(box(axes)) for axes in figure.axes)
 
 
-class _NoModes:
-    frequency = np.zeros(0)
-    effective_mass = np.zeros((0, 6))
-
-
 def test_what_is_predicted_is_drawn_above_the_dots_and_labels_leave_neighbours_alone(drawn, tmp_path):
     frequency = np.linspace(8.0, 16.0, 50)
     mass = DynamicMass(frequency=frequency, matrix=np.broadcast_to(2e-3 * np.eye(6) + 0j, (50, 6, 6)) * frequency[:, None, None])
-    look: dict[str, Any] = {"mass": mass, "rigid": np.zeros((6, 6)), "modes": _NoModes()}
+    look: dict[str, Any] = {"mass": mass, "rigid": np.zeros((6, 6)), "marked": np.zeros(0), "effective_mass": np.zeros((0, 6))}
     pair = (DynamicMassCurve(name="predicted", **look), DynamicMassCurve(name="measured", dots=MEASURED, **look))
     style.chosen("predicted beside measured", [("qq", k, k, pair) for k in range(6)], tmp_path / "mass.png")
     figure = drawn[0]

@@ -15,7 +15,7 @@ import numpy as np
 
 from geometry.frames import Array
 from validation.report.charts.spec import COLOURS, CURVES, FAINT, INK, PAPER
-from validation.report.charts.static import Axes, finish, grid_lines, new_figure, require_format
+from validation.report.charts.static import Axes, finish, grid_lines, new_figure
 
 COLUMNS, FEWER = 1400, 300
 """Pieces of the time axis, in each of which a signal is drawn from its lowest to its highest value: one signal, several."""
@@ -146,7 +146,6 @@ def draw_sheet(sheet: Sheet, path: Path, about: str = "") -> None:
     ------
     BadInput : the ending of `path` is unknown.
     """
-    require_format(path)
     count = len(sheet.rows) + 1
     height = 1.65 + HEIGHT * count
     figure = new_figure(15.0, height)

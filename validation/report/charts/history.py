@@ -17,7 +17,7 @@ from validation.report.charts import interactive, static
 from validation.report.charts.figure import Figure
 from validation.report.charts.interactive import LEGEND_ROOM, TITLE_ROOM, decades, dressed, escaped, legend_above
 from validation.report.charts.spec import ASIDE, COLOURS, FAINT, FURTHER, INK, PAPER, PREDICTED, IntervalChart, Intervals
-from validation.report.charts.static import DPI, Axes, cut, finish, grid_lines, new_figure, require_format
+from validation.report.charts.static import DPI, Axes, cut, finish, grid_lines, new_figure
 
 BRANCH = "#c9ced6"
 """Of what branched off, in print."""
@@ -84,7 +84,6 @@ def draw_fall(title: str, rungs: Sequence[DrawnRung], path: Path, note: str = ""
     ------
     BadInput : the ending of `path` is unknown.
     """
-    require_format(path)
     deepest = max(one.depth for one in rungs)
     figure = new_figure(max(11.0, 5.5 + 1.5 * deepest), 9.4)
     grid = figure.add_gridspec(2, 1, height_ratios=(1.7, 1), hspace=0.1, left=0.085, right=0.78, top=0.9, bottom=0.18)

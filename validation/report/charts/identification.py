@@ -38,7 +38,6 @@ def draw_lines(title: str, drawn: SpectralLines, path: Path, note: str = "") -> 
     ------
     BadInput : the ending of `path` is unknown.
     """
-    static.require_format(path)
     figure = static.new_figure(13.0, 8.2)
     grid = figure.add_gridspec(2, 1, hspace=0.12, left=0.075, right=0.84, top=0.895, bottom=0.1)
     upper = figure.add_subplot(grid[0])
@@ -74,7 +73,6 @@ def draw_residuals(title: str, drawn: DrawnResiduals, path: Path, note: str = ""
     """
     from matplotlib.colors import LinearSegmentedColormap, LogNorm
 
-    static.require_format(path)
     columns = 3 if len(drawn.runs) > 1 else 1
     rows = -(-len(drawn.runs) // columns)
     height = 1.7 + rows * (0.8 + 0.19 * len(drawn.channels))
@@ -131,7 +129,6 @@ def draw_shares(title: str, drawn: Sequence[UncertaintyShares], path: Path, note
     ------
     BadInput : the ending of `path` is unknown.
     """
-    static.require_format(path)
     figure = static.new_figure(15.0, 7.2)
     grid = figure.add_gridspec(1, len(drawn), wspace=0.2, left=0.065, right=0.915, top=0.865, bottom=0.21)
     # Inputs with a colour of their own, the one with the largest share first
@@ -198,7 +195,6 @@ def draw_stability(
     ------
     BadInput : the ending of `path` is unknown.
     """
-    static.require_format(path)
     figure = static.new_figure(17.5, 8.2)
     grid = figure.add_gridspec(2, 5, hspace=0.3, wspace=0.42, left=0.045, right=0.965, top=0.865, bottom=0.115)
     for k, one in enumerate(maps):
@@ -272,7 +268,6 @@ def draw_pretest(title: str, drawn: DrawnPretest, path: Path, note: str = "") ->
     ------
     BadInput : the ending of `path` is unknown.
     """
-    static.require_format(path)
     lost = bool(drawn.growth)
     figure = static.new_figure(15.0 if lost else 9.0, 10.4)
     room = _ROOM if lost else {**_ROOM, "left": 0.13}
@@ -362,7 +357,6 @@ def draw_rigid(title: str, tiles: Mapping[str, Sequence[MovingBody]], limit: flo
     BadInput : the ending of `path` is unknown.
     CheckFailed : nothing can be rendered on this machine.
     """
-    static.require_format(path)
     first = next(iter(tiles.values()))
     with off_screen():
         view = fitted(np.concatenate([body.vertices for body in first]), TILE, MARGIN)

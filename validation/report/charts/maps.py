@@ -199,7 +199,6 @@ def draw_channels(of: Map, modes: Sequence[NamedMode], path: Path, note: str = "
     ------
     BadInput : the ending of `path` is unknown.
     """
-    static.require_format(path)
     *maps, every = channels_of(of, modes)
     maps = maps if of.has_lines else [every]
     columns = min(3, len(maps))
@@ -228,7 +227,6 @@ def draw_pairs(of: Pairs, modes: Sequence[NamedMode], path: Path, note: str = ""
     """
     from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap
 
-    static.require_format(path)
     figure, one = static.new_figure(15.5, 8.6), pairs_of(of, modes)
     blues = LinearSegmentedColormap.from_list(
         "per cent", (spec.PAPER, "#d3e3f3", "#7fb2d8", "#2f72b0", "#0b2f63"), N=len(PERCENT)
@@ -263,7 +261,6 @@ def draw_runs(
     ------
     BadInput : the ending of `path` is unknown.
     """
-    static.require_format(path)
     height = 2.4 + 0.75 * len(rows)
     figure = static.new_figure(max(9.0, 4.0 + 1.25 * len(columns)), height)
     room = {"left": 0.2, "right": 0.87, "top": 1 - 1.25 / height, "bottom": 0.75 / height}

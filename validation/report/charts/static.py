@@ -104,7 +104,6 @@ def draw_bars(
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    require_format(path)
     figure = new_figure(*size)
     grid = figure.add_gridspec(len(chart.panels), 1, height_ratios=[len(one.rows) for one in chart.panels], **room)
     for place, panel in zip(grid, chart.panels, strict=True):
@@ -251,7 +250,6 @@ def draw_intervals(chart: spec.IntervalChart, path: Path) -> None:
     ------
     BadInput : the ending of `path` is unknown.
     """
-    require_format(path)
     figure = new_figure(16.0, 8.6)
     grid = figure.add_gridspec(2, 5, hspace=0.24, wspace=0.36, left=0.055, right=0.985, top=0.85, bottom=0.19)
     values, half, reference = (

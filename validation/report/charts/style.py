@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, count
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -67,18 +67,6 @@ DEEPEST = 1e5
 """Of the largest magnitude in a panel of a chosen entry; what is smaller is off the page."""
 
 
-class Resonances(Protocol):
-    """What is marked: modes of a model, or elastic terms that were identified."""
-
-    @property
-    def frequency(self) -> Array:
-        """(m,) [Hz]."""
-
-    @property
-    def effective_mass(self) -> Array:
-        """(m, 6) [kg], [kg m²] along every axis."""
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DynamicMassCurve:
     """A dynamic mass to be drawn.
@@ -88,14 +76,16 @@ class DynamicMassCurve:
     name : of the model or the article
     mass : on the lines to be drawn
     rigid : (6, 6) mass matrix of the rigid body about the same point
-    modes : eigenfrequencies, and how much each shows on an axis
+    marked : (m,) [Hz] eigenfrequencies of its modes, or of elastic terms that were identified
+    effective_mass : (m, 6) [kg], [kg m²] what each of them carries along every axis
     dots : role of a measured dynamic mass, drawn line by line; empty for a model
     """
 
     name: str
     mass: DynamicMass
     rigid: Array
-    modes: Resonances
+    marked: Array
+    effective_mass: Array
     dots: str = ""
 
     def entry(self, i: int, j: int) -> Curve:
@@ -121,7 +111,6 @@ def diagonal(title: str, curves: Sequence[DynamicMassCurve], path: Path, note: s
     ------
     BadInput : the ending of `path` is unknown.
     """
-    static.require_format(path)
     figure = static.new_figure(15.0, 10.2)
     grid = figure.add_gridspec(5, 3, height_ratios=(3, 1.15, 0.42, 3, 1.15), hspace=0.09, wspace=0.2, **_ROOM)
     for i in range(6):
@@ -147,7 +136,6 @@ def full(title: str, curves: Sequence[DynamicMassCurve], path: Path, note: str =
     ------
     BadInput : the ending of `path` is unknown.
     """
-    static.require_format(path)
     figure = static.new_figure(20.0, 19.0)
     outer = figure.add_gridspec(6, 6, hspace=0.22, wspace=0.3, left=0.05, right=0.985, top=0.935, bottom=0.05)
     for i in range(6):
@@ -178,7 +166,6 @@ def chosen(title: str, panels: Sequence[tuple[str, int, int, Sequence[DynamicMas
     ------
     BadInput : the ending of `path` is unknown.
     """
-    static.require_format(path)
     figure = static.new_figure(15.0, 10.2 if len(panels) > 3 else 6.0)
     ratios = (3, 1.15, 0.55, 3, 1.15) if len(panels) > 3 else (3, 1.15)
     grid = figure.add_gridspec(len(ratios), 3, height_ratios=ratios, hspace=0.09, wspace=0.3, **_ROOM | {"left": 0.07})
@@ -248,9 +235,9 @@ def mark(upper: static.Axes, curve: DynamicMassCurve, entries: Sequence[int]) ->
     """Ticks on the upper edge at the eigenfrequencies that a diagonal entry of `entries` shows, with figures where they fit."""
     low, high = upper.get_xlim()
     whole = np.diag(curve.rigid)[list(entries)]
-    shows = np.any(curve.modes.effective_mass[:, list(entries)] > SHOWS * whole, axis=1)
+    shows = np.any(curve.effective_mass[:, list(entries)] > SHOWS * whole, axis=1)
     last = -np.inf
-    for f in curve.modes.frequency[shows & (curve.modes.frequency > low) & (curve.modes.frequency < high)]:
+    for f in curve.marked[shows & (curve.marked > low) & (curve.marked < high)]:
         upper.axvline(f, ymin=0.965, color=FAINT, linewidth=1.0)
         if f - last > ROOM_FOR_A_FIGURE * (high - low):
             upper.text(f, 1.012, f"{f:.1f}", transform=upper.get_xaxis_transform(), ha="center", fontsize=7.2, color=FAINT)
