@@ -25,7 +25,7 @@ def at(place: Place, maker: Maker | str) -> "Callable[[Named], PlantedEffect]":
 
     Parameters
     ----------
-    maker : a function, or the name of one in `validation.virtual_test.planted`
+    maker : a function that makes the change, or the name of one in `validation.virtual_test.planted`, ``change(named, stage)``
     """
     return partial(_planted, place, maker)
 
@@ -33,10 +33,9 @@ def at(place: Place, maker: Maker | str) -> "Callable[[Named], PlantedEffect]":
 def _planted(place: Place, maker: Maker | str, named: "Named") -> "PlantedEffect":
     from validation.virtual_test.plan import PlantedEffect
 
-    if not isinstance(maker, str):
-        made = maker
+    if isinstance(maker, str):
+        change: Any = partial(getattr(import_module("validation.virtual_test.planted"), maker), named)
     else:
-        found: Maker = getattr(import_module("validation.virtual_test.planted"), maker)
-        made = found
-    changes: dict[str, Any] = {place: made(named)}
+        change = maker(named)
+    changes: dict[str, Any] = {place: change}
     return PlantedEffect(id=named.id, value=dict(named.values), **changes)

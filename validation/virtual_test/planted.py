@@ -25,132 +25,110 @@ from validation.virtual_test.layout import ChainTruth
 from validation.virtual_test.plan import MAINS, RIGID, SOURCE, Part, Plan, PlantedEffect, Sensed
 from validation.virtual_test.shaker import parts_of
 
-StructureChange = Callable[[Rig], Rig]
-
 BASE = 6
 
 LAYER = "-silicone"
 """Ending of the part of a blade that is its layer."""
 
 
-def point_mass(named: Named) -> StructureChange:
+def point_mass(named: Named, rig: Rig) -> Rig:
     """``M += m phi phi^T`` along x, y and z; the base is among the coordinates, and with it L and M_F."""
-
-    def change(rig: Rig) -> Rig:
-        rows = rig.article.places[named.target]
-        return _with_mass(rig, named, named.value * rows.T @ rows)
-
-    return change
+    rows = rig.article.places[named.target]
+    return _with_mass(rig, named, named.value * rows.T @ rows)
 
 
-def rigid_inertia(named: Named) -> StructureChange:
+def rigid_inertia(named: Named, rig: Rig) -> Rig:
     """``H += dp`` times the matrix of a parameter about the article's centre of gravity."""
-
-    def change(rig: Rig) -> Rig:
-        M = rig.article.reduced.mass
-        delta = Inertia(parameters=named.value * _unit(named.target, PARAMETERS), reference_point=np.zeros(3)).mass_matrix
-        G = rigid_transformation_6(Inertia.from_mass_matrix(M[:BASE, :BASE]).cog)
-        added = np.zeros_like(M)
-        added[:BASE, :BASE] = G.T @ delta @ G
-        return _with_mass(rig, named, added)
-
-    return change
+    M = rig.article.reduced.mass
+    delta = Inertia(parameters=named.value * _unit(named.target, PARAMETERS), reference_point=np.zeros(3)).mass_matrix
+    G = rigid_transformation_6(Inertia.from_mass_matrix(M[:BASE, :BASE]).cog)
+    added = np.zeros_like(M)
+    added[:BASE, :BASE] = G.T @ delta @ G
+    return _with_mass(rig, named, added)
 
 
-def joint(named: Named) -> StructureChange:
+def joint(named: Named, rig: Rig) -> Rig:
     """``H' = (1 - omega^2 H C)^-1 H``: a spring without damping between cover plate and article."""
-
-    def change(rig: Rig) -> Rig:
-        compliance = np.zeros(BASE) if rig.flange is None else np.array(rig.flange.compliance)
-        compliance[list(JOINT[named.target])] += named.value
-        return replace(rig, flange=Flange(compliance=compliance))
-
-    return change
+    compliance = np.zeros(BASE) if rig.flange is None else np.array(rig.flange.compliance)
+    compliance[list(JOINT[named.target])] += named.value
+    return replace(rig, flange=Flange(compliance=compliance))
 
 
-def cable(named: Named) -> StructureChange:
+def cable(named: Named, rig: Rig) -> Rig:
     """A spring from a place to the ground, along all axes or along those that are named."""
     stiffness = np.zeros(3)
     stiffness[list(ALONG[named.targets[1] if len(named.targets) > 1 else ""])] = named.value
-    return lambda rig: replace(rig, struts=(*rig.struts, Strut(place=named.target, to="ground", stiffness=stiffness)))
+    return replace(rig, struts=(*rig.struts, Strut(place=named.target, to="ground", stiffness=stiffness)))
 
 
-def friction(named: Named) -> StructureChange:
+def friction(named: Named, rig: Rig) -> Rig:
     """A loose part on the flange, held along x or y by nothing but the slip force; below it the part is a mass of its own."""
     axis: Any = named.targets[1]
     loose = Friction(axis=axis, slip_force=named.value, mass=named.values["mass"])
-    return lambda rig: replace(rig, frictions=(*rig.frictions, loose))
+    return replace(rig, frictions=(*rig.frictions, loose))
 
 
-def gap(named: Named) -> StructureChange:
+def gap(named: Named, rig: Rig) -> Rig:
     """A load cell that lifts off where its preload is used up."""
     number = int(named.target) - 1
-    return lambda rig: replace(
+    return replace(
         rig, cells=tuple(replace(cell, preload=named.value) if k == number else cell for k, cell in enumerate(rig.cells))
     )
 
 
-def orientation(named: Named) -> StructureChange:
+def orientation(named: Named, rig: Rig) -> Rig:
     """``R H R^T``: the article stands turned about its own z axis."""
-
-    def change(rig: Rig) -> Rig:
-        R = rotation_about("z", named.value)
-        body, T = rig.article, np.eye(len(rig.article.reduced.mass))
-        T[:3, :3] = T[3:BASE, 3:BASE] = R
-        of = body.reduced
-        turned = replace(of, mass=T @ of.mass @ T.T, basis=of.basis @ T.T)  # its stiffness and damping know no base
-        places = {name: R @ rows @ T.T for name, rows in body.places.items()}
-        return replace(rig, article=replace(body, reduced=turned, places=places))
-
-    return change
+    R = rotation_about("z", named.value)
+    body, T = rig.article, np.eye(len(rig.article.reduced.mass))
+    T[:3, :3] = T[3:BASE, 3:BASE] = R
+    of = body.reduced
+    turned = replace(of, mass=T @ of.mass @ T.T, basis=of.basis @ T.T)  # its stiffness and damping know no base
+    places = {name: R @ rows @ T.T for name, rows in body.places.items()}
+    return replace(rig, article=replace(body, reduced=turned, places=places))
 
 
-def offset(named: Named) -> StructureChange:
+def offset(named: Named, rig: Rig) -> Rig:
     """``T H T^T``: the article stands beside its place."""
-    return lambda rig: replace(rig, seat=rig.seat + named.value * _unit(named.target, AXES))
+    return replace(rig, seat=rig.seat + named.value * _unit(named.target, AXES))
 
 
-def appendage(named: Named) -> StructureChange:
+def appendage(named: Named, rig: Rig) -> Rig:
     """``H_kk += m (omega_a^2 + 2 i zeta omega_a omega) / (omega_a^2 - omega^2 + 2 i zeta omega_a omega)`` at F."""
     axis = AXES.index(named.target)
-
-    def change(rig: Rig) -> Rig:
-        row = np.zeros(len(rig.article.reduced.mass))
-        row[:BASE] = rigid_transformation(-rig.seat)[axis]
-        return replace(rig, article=_with_resonator(rig.article, row, named))
-
-    return change
+    row = np.zeros(len(rig.article.reduced.mass))
+    row[:BASE] = rigid_transformation(-rig.seat)[axis]
+    return replace(rig, article=_with_resonator(rig.article, row, named))
 
 
-def absorber(named: Named) -> StructureChange:
+def absorber(named: Named, rig: Rig) -> Rig:
     """The same at a place of the article, along all three axes."""
-    return _resonators(named, (0, 1, 2))
+    return _resonators(named, rig, (0, 1, 2))
 
 
-def slosh(named: Named) -> StructureChange:
+def slosh(named: Named, rig: Rig) -> Rig:
     """Two alike, along x and y, at a height; what of the liquid does not swing belongs to the article."""
-    return _resonators(named, (0, 1))
+    return _resonators(named, rig, (0, 1))
 
 
-def modulus(named: Named) -> Callable[[Mapping[str, Part]], Mapping[str, Part]]:
+def modulus(named: Named, parts: Mapping[str, Part]) -> Mapping[str, Part]:
     """``K += v K_part``, on top of what was drawn: the part is (1 + v) times as stiff."""
-    return lambda parts: {
+    return {
         name: replace(part, modulus=(1 + part.modulus) * (1 + named.value) - 1) if _belongs(name, named.target) else part
         for name, part in parts.items()
     }
 
 
-def damping(named: Named) -> Callable[[Mapping[str, Part]], Mapping[str, Part]]:
+def damping(named: Named, parts: Mapping[str, Part]) -> Mapping[str, Part]:
     """``D += i eta K_part``: a loss factor beside the drawn one."""
-    return lambda parts: {
+    return {
         name: replace(part, added_loss=part.added_loss + named.value) if _belongs(name, named.target) else part
         for name, part in parts.items()
     }
 
 
-def layer_damping(named: Named) -> Callable[[Mapping[str, Part]], Mapping[str, Part]]:
+def layer_damping(named: Named, parts: Mapping[str, Part]) -> Mapping[str, Part]:
     """The same of the layer in a blade alone."""
-    return damping(replace(named, targets=(f"{named.target}{LAYER}",)))
+    return damping(replace(named, targets=(f"{named.target}{LAYER}",)), parts)
 
 
 def _belongs(name: str, part: str) -> bool:
@@ -158,14 +136,11 @@ def _belongs(name: str, part: str) -> bool:
     return name in (part, f"{part}-bottom", f"{part}-top")
 
 
-def _resonators(named: Named, axes: tuple[int, ...]) -> StructureChange:
-    def change(rig: Rig) -> Rig:
-        body = rig.article
-        for axis in axes:
-            body = _with_resonator(body, body.places[named.target][axis], named)
-        return replace(rig, article=body)
-
-    return change
+def _resonators(named: Named, rig: Rig, axes: tuple[int, ...]) -> Rig:
+    body = rig.article
+    for axis in axes:
+        body = _with_resonator(body, body.places[named.target][axis], named)
+    return replace(rig, article=body)
 
 
 def _with_resonator(body: FlexibleBody, row: Array, named: Named) -> FlexibleBody:
@@ -203,102 +178,92 @@ def _unit(word: str, words: tuple[str, ...]) -> Array:
 # Each adds to what the seed has drawn, so that a fault of 5 % makes of a channel that reads 1.002 one that reads 1.002 x 1.05.
 
 
-ChainChange = Callable[[ChainTruth], ChainTruth]
-
 BOARDS = {"force": FMD, "cover": COVER, "table": TABLE}
 """Channels that are sampled together, by the name of their board."""
 
 COMPLIANT = ("lateral", "vertical")
 
 
-def gain(named: Named) -> ChainChange:
+def gain(named: Named, chain: ChainTruth) -> ChainTruth:
     """``y (1 + g)``"""
-    return lambda chain: chain.more_gain(named.target, named.value)
+    return chain.more_gain(named.target, named.value)
 
 
-def polarity(named: Named) -> ChainChange:
+def polarity(named: Named, chain: ChainTruth) -> ChainTruth:
     """``-y``"""
-    return lambda chain: chain.more_gain(named.target, -2.0)
+    return chain.more_gain(named.target, -2.0)
 
 
-def shunt(named: Named) -> ChainChange:
+def shunt(named: Named, chain: ChainTruth) -> ChainTruth:
     """Every channel along an axis reads ``y (1 - s)``: the share s passes all of its cells by."""
     along = tuple(name for name in FMD if name.startswith(f"fmd-{named.target}"))
-    return lambda chain: _each(chain, along, lambda one, name: one.more_gain(name, -named.value))
+    return _each(chain, along, lambda one, name: one.more_gain(name, -named.value))
 
 
-def delay(named: Named) -> ChainChange:
+def delay(named: Named, chain: ChainTruth) -> ChainTruth:
     """``y(t - tau)``"""
-    return lambda chain: chain.later(named.target, named.value)
+    return chain.later(named.target, named.value)
 
 
-def board_delay(named: Named) -> ChainChange:
+def board_delay(named: Named, chain: ChainTruth) -> ChainTruth:
     """The same for all channels of a board."""
-    return lambda chain: _each(chain, BOARDS[named.target], lambda one, name: one.later(name, named.value))
+    return _each(chain, BOARDS[named.target], lambda one, name: one.later(name, named.value))
 
 
-def crosstalk(named: Named) -> ChainChange:
+def crosstalk(named: Named, chain: ChainTruth) -> ChainTruth:
     """``X = I + kappa E_ij``: of ``zx``, kappa F_x shows in the channels along z."""
     shown, source = (AXES.index(axis) for axis in named.target)
-
-    def change(chain: ChainTruth) -> ChainTruth:
-        changed = np.array(chain.crosstalk)
-        changed[shown, source] += named.value
-        return replace(chain, crosstalk=changed)
-
-    return change
+    changed = np.array(chain.crosstalk)
+    changed[shown, source] += named.value
+    return replace(chain, crosstalk=changed)
 
 
-def plane_offset(named: Named) -> ChainChange:
+def plane_offset(named: Named, chain: ChainTruth) -> ChainTruth:
     """``M_y -= h F_x``, or ``M_x += h F_y``: moments of the cells that they do not measure."""
-    return lambda chain: replace(chain, plane_offset=chain.plane_offset + named.value * _unit(named.target, ("x", "y")))
+    return replace(chain, plane_offset=chain.plane_offset + named.value * _unit(named.target, ("x", "y")))
 
 
-def compliance(named: Named) -> ChainChange:
+def compliance(named: Named, chain: ChainTruth) -> ChainTruth:
     """All cells give so many times as much."""
-    return lambda chain: replace(chain, compliance=chain.compliance * (1 + (named.value - 1) * _unit(named.target, COMPLIANT)))
+    return replace(chain, compliance=chain.compliance * (1 + (named.value - 1) * _unit(named.target, COMPLIANT)))
 
 
-def cell_stiffness(named: Named) -> ChainChange:
+def cell_stiffness(named: Named, chain: ChainTruth) -> ChainTruth:
     """``k (1 + v)`` of one cell along one axis: it takes load from the other three, and none is lost."""
     cell, axis = int(named.target[0]) - 1, AXES.index(named.target[1])
-    return lambda chain: chain.stiffer(cell, axis, named.value)
+    return chain.stiffer(cell, axis, named.value)
 
 
-def position(named: Named) -> ChainChange:
+def position(named: Named, chain: ChainTruth) -> ChainTruth:
     """``d^T [G](p + dp)``"""
-    return lambda chain: chain.moved(named.target, named.value * _unit(named.targets[1], AXES))
+    return chain.moved(named.target, named.value * _unit(named.targets[1], AXES))
 
 
-def misalignment(named: Named) -> ChainChange:
+def misalignment(named: Named, chain: ChainTruth) -> ChainTruth:
     """``(d + dd)^T [G]``, dd = v e x d: the pick-up is turned by v about the axis e."""
-    return lambda chain: chain.turned(named.target, named.value * _unit(named.targets[1], AXES))
+    return chain.turned(named.target, named.value * _unit(named.targets[1], AXES))
 
 
-def gravity(named: Named) -> ChainChange:
+def gravity(named: Named, chain: ChainTruth) -> ChainTruth:
     """The structure's half of gravity: loads are those of the apparent acceleration, or of the kinematic one."""
-    return lambda chain: replace(chain, gravity=named.value)
+    return replace(chain, gravity=named.value)
 
 
-def tilt(named: Named) -> ChainChange:
+def tilt(named: Named, chain: ChainTruth) -> ChainTruth:
     """The sensors' half: accelerometers read a tilt, or nothing but motion."""
-    return lambda chain: replace(chain, accelerometer_tilt=named.value)
+    return replace(chain, accelerometer_tilt=named.value)
 
 
-def noise(named: Named) -> ChainChange:
+def noise(named: Named, chain: ChainTruth) -> ChainTruth:
     """More noise, independent of what there is: variances add."""
-
-    def change(chain: ChainTruth) -> ChainTruth:
-        before = chain.noise_rms.get(named.target, 0.0)
-        return replace(chain, noise_rms={**chain.noise_rms, named.target: float(np.hypot(before, named.value))})
-
-    return change
+    before = chain.noise_rms.get(named.target, 0.0)
+    return replace(chain, noise_rms={**chain.noise_rms, named.target: float(np.hypot(before, named.value))})
 
 
-def mains(named: Named) -> ChainChange:
+def mains(named: Named, chain: ChainTruth) -> ChainTruth:
     """So many times the ordinary hum in every channel, instead of what there is."""
     ordinary = dict.fromkeys((*TABLE, *COVER), MAINS["acceleration"]) | dict.fromkeys(FMD, MAINS["force"])
-    return lambda chain: replace(chain, mains={name: named.value * size for name, size in ordinary.items()})
+    return replace(chain, mains={name: named.value * size for name, size in ordinary.items()})
 
 
 def _each(chain: ChainTruth, names: tuple[str, ...], change: Callable[[ChainTruth, str], ChainTruth]) -> ChainTruth:
@@ -310,67 +275,45 @@ def _each(chain: ChainTruth, names: tuple[str, ...], change: Callable[[ChainTrut
 # Effects on the way of a signal: an amplifier's corner, a plate that gives, a sensor at its limit, crossed plugs.
 
 
-SignalChange = Callable[[Sensed], Sensed]
-
 VERTICAL = 2
 
 
-def highpass(named: Named) -> SignalChange:
+def highpass(named: Named, sensed: Sensed) -> Sensed:
     """``1 / (1 - i f_c / f)``: a first-order corner at f_c, by the bilinear rule at the rate of the simulation."""
+    from scipy.signal import lfilter
 
-    def change(sensed: Sensed) -> Sensed:
-        from scipy.signal import lfilter
-
-        half = np.pi * named.value / sensed.sampling_rate
-        filtered = lfilter([1.0, -1.0], [1.0 + half, half - 1.0], sensed.values[:, sensed.column(named.target)])
-        return with_column(sensed, named.target, np.asarray(filtered))
-
-    return change
+    half = np.pi * named.value / sensed.sampling_rate
+    filtered = lfilter([1.0, -1.0], [1.0 + half, half - 1.0], sensed.values[:, sensed.column(named.target)])
+    return with_column(sensed, named.target, np.asarray(filtered))
 
 
-def flexible_cover(named: Named) -> SignalChange:
+def flexible_cover(named: Named, sensed: Sensed) -> Sensed:
     """``-omega^2 c f_z``: the cover plate gives c under the whole vertical load, and its pick-ups ride on that along z."""
-
-    def change(sensed: Sensed) -> Sensed:
-        if sensed.response is None:
-            raise ValueError("`response` must be there: a plate bends under the load that is simulated")
-        bending = named.value * second_derivative(sensed.response.load[:, VERTICAL], sensed.sampling_rate)
-        seen = [c.places[0].direction[VERTICAL] if c.group == "cover" else 0.0 for c in sensed.table.channels]
-        return replace(sensed, values=sensed.values + np.outer(bending, seen))
-
-    return change
+    if sensed.response is None:
+        raise ValueError("`response` must be there: a plate bends under the load that is simulated")
+    bending = named.value * second_derivative(sensed.response.load[:, VERTICAL], sensed.sampling_rate)
+    seen = [c.places[0].direction[VERTICAL] if c.group == "cover" else 0.0 for c in sensed.table.channels]
+    return replace(sensed, values=sensed.values + np.outer(bending, seen))
 
 
-def saturation(named: Named) -> SignalChange:
+def saturation(named: Named, sensed: Sensed) -> Sensed:
     """``y (1 - s (y / y_p)^2)``, y_p the peak of the run at nominal level: at half the level a quarter of it is lost."""
-
-    def change(sensed: Sensed) -> Sensed:
-        y = sensed.values[:, sensed.column(named.target)]
-        peak = np.max(np.abs(y), initial=np.finfo(np.float64).tiny) / sensed.level
-        return with_column(sensed, named.target, y * (1 - named.value * (y / peak) ** 2))
-
-    return change
+    y = sensed.values[:, sensed.column(named.target)]
+    peak = np.max(np.abs(y), initial=np.finfo(np.float64).tiny) / sensed.level
+    return with_column(sensed, named.target, y * (1 - named.value * (y / peak) ** 2))
 
 
-def unit(named: Named) -> SignalChange:
+def unit(named: Named, sensed: Sensed) -> Sensed:
     """The numbers of a channel are not in the unit that the file states."""
-
-    def change(sensed: Sensed) -> Sensed:
-        return with_column(sensed, named.target, named.value * sensed.values[:, sensed.column(named.target)])
-
-    return change
+    return with_column(sensed, named.target, named.value * sensed.values[:, sensed.column(named.target)])
 
 
-def swap(named: Named) -> SignalChange:
+def swap(named: Named, sensed: Sensed) -> Sensed:
     """Each of two channels holds what the other measured."""
-
-    def change(sensed: Sensed) -> Sensed:
-        one, other = (sensed.column(name) for name in named.targets)
-        values = np.array(sensed.values)
-        values[:, [one, other]] = values[:, [other, one]]
-        return replace(sensed, values=values)
-
-    return change
+    one, other = (sensed.column(name) for name in named.targets)
+    values = np.array(sensed.values)
+    values[:, [one, other]] = values[:, [other, one]]
+    return replace(sensed, values=values)
 
 
 def with_column(sensed: Sensed, channel: str, values: Array) -> Sensed:
