@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
-from geometry.frames import Array, skew
+from geometry.frames import Array, rotation_by
 from geometry.sensors import Channel, Place
 from identification.campaign import Campaign, Processing, Recording, factor
 from validation.effects.catalogue import FAMILIES, MISTAKEN_UNIT, Named, parse
@@ -352,8 +352,7 @@ def _position(campaign: Campaign, named: Named) -> Corrected:
 
 @_takes_out("accelerometer-misalignment")
 def _misalignment(campaign: Campaign, named: Named) -> Corrected:
-    S = skew(np.eye(3)[AXES.index(named.targets[1])])
-    turn = np.eye(3) + np.sin(named.value) * S + (1 - np.cos(named.value)) * S @ S  # Rodrigues
+    turn = rotation_by(named.value * np.eye(3)[AXES.index(named.targets[1])])
     made = _placed(campaign, named, lambda place: replace(place, direction=turn @ place.direction), "its direction")
     pairs = zip(_channel(campaign, named).places, _channel(made.campaign, named).places, strict=True)
     if named.value and all(np.abs(a.direction - b.direction).max() < PARALLEL * abs(named.value) for a, b in pairs):
