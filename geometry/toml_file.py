@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
 import numpy.typing as npt
@@ -197,6 +197,16 @@ def holds(path: Path, key: str) -> bool:
         return key in tomllib.loads(text)
     except (ValueError, RecursionError):
         return any(line.strip().startswith((f"[{key}]", f"[[{key}]]", f"[{key}.")) for line in text.splitlines())
+
+
+def is_number(value: object) -> TypeGuard[float]:
+    """Whether `value` is a number; true and false are none, though Python counts with them."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def is_whole(value: object) -> TypeGuard[int]:
+    """Whether `value` is a whole number, neither true nor false."""
+    return isinstance(value, int) and not isinstance(value, bool)
 
 
 def require_format(table: Mapping[str, Any], source: str) -> None:
@@ -474,7 +484,7 @@ def quantity(text: Any, dimension: str, *, source: str, field: str, name: str = 
     """
     match = _QUANTITY.fullmatch(text.strip()) if isinstance(text, str) else None
     if match is None:
-        if isinstance(text, int | float) and not isinstance(text, bool):
+        if is_number(text):
             raise _refused(f"{_a(dimension)} needs its unit, found the bare number {text!r}", dimension, source, field)
         raise _refused(f"{_a(dimension)} cannot be read from {text!r}", dimension, source, field)
     first, last = match["unit"], match["last"]

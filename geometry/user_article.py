@@ -180,7 +180,7 @@ def _part(entry: Any, number: int, path: Path, own: Mapping[str, Material]) -> P
     threes = []
     for key in ("position_mm", "rotation_deg"):
         found = entry.get(key, [0, 0, 0])
-        numbers = isinstance(found, list) and all(isinstance(v, int | float) and not isinstance(v, bool) for v in found)
+        numbers = isinstance(found, list) and all(toml_file.is_number(v) for v in found)
         if not numbers or len(found) != 3 or not np.isfinite(np.array(found, dtype=np.float64)).all():
             raise toml_file.wrong(found, "three finite numbers", source, f"{where}.{key}")
         threes.append(np.array(found, dtype=np.float64))
@@ -222,9 +222,7 @@ def own_material(name: str, entry: Any, source: str, where: str) -> Material:
             value = table[key]
             place = f"{where}.{key}"
             dimension, lowest, highest, example = _ELASTIC[key]
-            text = (
-                str(value) if dimension == "ratio" and isinstance(value, int | float) and not isinstance(value, bool) else value
-            )
+            text = str(value) if dimension == "ratio" and toml_file.is_number(value) else value
             found = quantity(text, dimension, source=source, field=place).nominal_value
             if not lowest < found < highest:
                 problem = f"must lie between {lowest:g} and {highest:g}, both excluded, found {value!r}"

@@ -246,7 +246,7 @@ class Reader:
         method = found.get("method", plain.method)
         self.problems.attempt(toml_file.one_of, method, campaigns.METHODS, source=self.source, where=f"{where}.method")
         size = found.get("block_size", plain.block_size)
-        if not isinstance(size, int) or isinstance(size, bool) or not 2 <= size <= LARGEST_NUMBER:
+        if not toml_file.is_whole(size) or not 2 <= size <= LARGEST_NUMBER:
             self.refuse(f"{where}.block_size", f"must be a whole number of samples, found {size!r}", "Write for example 8192")
         overlap = self.number({"overlap": plain.overlap, **found}, where, "overlap", low=0.0, high=1 - 1e-6)
         grid = self.table({"frequency": found.get("frequency", {})}, "frequency", ("start", "stop", "step"))
@@ -324,7 +324,7 @@ class Reader:
 
 def is_number(value: Any) -> bool:
     """Whether `value` is a number, no truth value, and of a size that a test has."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST_NUMBER
+    return toml_file.is_number(value) and abs(value) <= LARGEST_NUMBER
 
 
 # The tables [[channel]] of ``campaign.toml``: one channel each, in metres and SI.

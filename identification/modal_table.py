@@ -184,7 +184,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     own = None if shapes is None else shapes[kept]
     before = _before(table, source, folder, frequency[kept], points, own) if "before" in table else None
     gain = table.get("gain", 0.02)
-    if isinstance(gain, bool) or not isinstance(gain, int | float) or not 0 <= gain < 10:
+    if not toml_file.is_number(gain) or not 0 <= gain < 10:
         raise BadInput(source=source, field="gain", problem=f"must be a share such as 0.02, found {gain!r}", remedy="Correct it")
     return ModalTable(
         source=source,
@@ -232,7 +232,7 @@ def _deviation(stated: Any, share: float, of: Array, warnings: list[str], what: 
         stated = share
     if isinstance(stated, str):
         stated = float(toml_file.quantity(stated, "ratio", source=source, field=field).n)
-    if isinstance(stated, bool) or not isinstance(stated, int | float) or not 0 < stated < 10:
+    if not toml_file.is_number(stated) or not 0 < stated < 10:
         problem = f"must be a share such as {share:g}, found {stated!r}"
         raise BadInput(source=source, field=field, problem=problem, remedy="Correct it")
     return np.asarray(float(stated) * np.abs(of), dtype=np.float64)
@@ -268,7 +268,7 @@ def _frequencies(table: Mapping[str, Any], source: str, folder: Path) -> dict[st
             if isinstance(one, str):
                 made = toml_file.quantity(one, "frequency" if name == "frequency" else "ratio", source=source, field=name)
                 pairs.append((float(made.n), float(made.s)))
-            elif isinstance(one, int | float) and not isinstance(one, bool) and np.isfinite(one):
+            elif toml_file.is_number(one) and np.isfinite(one):
                 pairs.append((float(one), 0.0))
             else:
                 raise BadInput(source=source, field=name, problem=f"must be a number, found {one!r}", remedy="Correct it")

@@ -398,7 +398,7 @@ def _tolerance(value: Any, source: str, field: str) -> float:
         return words[value]
     if isinstance(value, str):
         return float(toml_file.quantity(value, "ratio", source=source, field=field).n)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < 10:
+    if not toml_file.is_number(value) or not 0 <= value < 10:
         problem = f"must be a share such as 0.02, or one of {', '.join(words)}, found {value!r}"
         raise BadInput(source=source, field=field, problem=problem, remedy="Correct it")
     return float(value)
@@ -536,7 +536,7 @@ def _number(how: Mapping[str, Any], key: str, usual: float, source: str) -> floa
     value = how.get(key, usual)
     if isinstance(value, str):
         return float(toml_file.quantity(value, "time", source=source, field=key).n)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < 1e6:
+    if not toml_file.is_number(value) or not 0 <= value < 1e6:
         problem = f"must be a number that is not negative, found {value!r}"
         raise BadInput(source=source, field=key, problem=problem, remedy='Write block = "4 s"')
     return float(value)

@@ -119,7 +119,7 @@ def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
     _require_support(model, named, kind, units, source)
     value = model.get("interface", [])
     where = f"{TABLE}.interface"
-    if not isinstance(value, list) or not all(isinstance(node, int) and not isinstance(node, bool) for node in value):
+    if not isinstance(value, list) or not all(toml_file.is_whole(node) for node in value):
         raise toml_file.wrong(value, "a list of node numbers", source, where, "Write it like [1, 2, 3]")
     twice = next((node for node in value if value.count(node) > 1), None)
     if twice is not None:

@@ -87,10 +87,10 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
     width, thickness = (_size(sizes[key], "length", source, f"{place}.{key}") for key in SECTION[:2])
     section, across = elements.rectangle(width, thickness, material), _direction(sizes["across"], source, f"{place}.across")
     count = sizes.get("count", 1)  # how many stand side by side
-    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= 1000:
+    if not toml_file.is_whole(count) or not 1 <= count <= 1000:
         raise toml_file.wrong(count, "a whole number from 1 to 1000", source, f"{place}.count", "How many stand side by side")
     pieces = table.get("elements", 1)
-    if isinstance(pieces, bool) or not isinstance(pieces, int) or not 1 <= pieces <= 100:
+    if not toml_file.is_whole(pieces) or not 1 <= pieces <= 100:
         remedy = "How many beams a member is made of"
         raise toml_file.wrong(pieces, "a whole number from 1 to 100", source, f"{where}.elements", remedy)
     points, members, ports = list(nodes.values()), list[frame.Member](), list[frame.Ports]()
@@ -278,7 +278,7 @@ def _material(value: Any, source: str, where: str) -> tuple[article.Material, bo
     sizes = {}
     for key, dimension in ((key, dimension) for key, dimension in keys.items() if key in table):
         value = table[key]
-        bare = dimension == "ratio" and isinstance(value, int | float) and not isinstance(value, bool)
+        bare = dimension == "ratio" and toml_file.is_number(value)
         sizes[key] = float(value) if bare else _size(value, dimension, source, f"{where}.{key}")
     return article.Material(name=source, **({"density": 1.0} | sizes)), "density" in table
 

@@ -187,14 +187,14 @@ def loss_factor(table: Mapping[str, Any], source: str, where: str) -> float | No
     BadInput : it is no number from 0 up to 2.
     """
     loss = table.get("loss_factor")
-    if loss is not None and (isinstance(loss, bool) or not isinstance(loss, int | float) or not 0 <= loss < 2):
+    if loss is not None and (not toml_file.is_number(loss) or not 0 <= loss < 2):
         remedy = "It is twice the damping ratio at resonance"
         raise toml_file.wrong(loss, "at least 0 and below 2", source, f"{where}.loss_factor", remedy)
     return None if loss is None else float(loss)
 
 
 def _place(entry: Any, units: UnitSystem, source: str, where: str) -> StatedPlace:
-    if isinstance(entry, int) and not isinstance(entry, bool):
+    if toml_file.is_whole(entry):
         return StatedPlace(node=entry)
     if isinstance(entry, list):
         return StatedPlace(point=point(entry, units, source, where))
@@ -204,7 +204,7 @@ def _place(entry: Any, units: UnitSystem, source: str, where: str) -> StatedPlac
     toml_file.require_known(entry, ("dof",), source=source, where=where)
     toml_file.require_present(entry, ("dof",), source=source, where=where)
     rows = entry["dof"]
-    whole = isinstance(rows, list) and all(isinstance(row, int) and not isinstance(row, bool) and row >= -1 for row in rows)
+    whole = isinstance(rows, list) and all(toml_file.is_whole(row) and row >= -1 for row in rows)
     moving = [row for row in rows if row >= 0] if whole else []
     if len(rows if whole else ()) not in (3, 6) or not moving or len(set(moving)) < len(moving):
         remedy = "Count from 0, once each, and write -1 for a direction in which nothing moves"
@@ -271,7 +271,7 @@ def _positive(value: Any, dimension: str, units: UnitSystem, source: str, where:
 
 
 def _share(value: Any, source: str, where: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value < 1:
+    if not toml_file.is_number(value) or not 0 < value < 1:
         remedy = "5 % is 0.05"
         raise toml_file.wrong(value, "a standard deviation relative to the value, above 0 and below 1", source, where, remedy)
     return float(value)

@@ -7,7 +7,7 @@ import numpy as np
 
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers
-from geometry.toml_file import LARGEST_QUANTITY, quantity
+from geometry.toml_file import LARGEST_QUANTITY, is_number, quantity
 
 # The unit system of a user's model, ``mm-t-N-s``, and what its matrices are multiplied with to be SI.
 #
@@ -105,7 +105,7 @@ def measured(value: Any, dimension: str, units: UnitSystem, source: str, field: 
     ------
     BadInput : a bare number where units are known, a unit where they are not, no finite number.
     """
-    bare = isinstance(value, int | float) and not isinstance(value, bool)
+    bare = is_number(value)
     if units.known:
         return float(quantity(value, dimension, source=source, field=field).nominal_value)
     if not bare or not abs(value) < LARGEST_QUANTITY:

@@ -45,7 +45,7 @@ def load(name: str, changes: Mapping[str, float] = MappingProxyType({})) -> Dime
         if isinstance(found, dict) or (isinstance(found, list) and found and isinstance(found[0], dict)):
             names = ", ".join(f"{key}.{each}" for each, entry in _entries(found).items() if not isinstance(entry, str))
             raise _refused(key, "this is a table of dimensions", f"Name one of {names}")
-        if isinstance(found, bool) or not isinstance(found, (int, float)):
+        if not toml_file.is_number(found):
             raise _refused(key, f"only a number can be changed, found {found!r}", "Name a number")
         if isinstance(found, int) and not float(value).is_integer():
             raise _refused(key, f"this is a count, found {value:g}", "Give a whole number")

@@ -109,7 +109,7 @@ class Fields:
     def integer(self, key: str, default: int, least: int) -> int:
         """The whole number under `key`, at least `least`, or `default`."""
         value = self.table.get(key, default)
-        if not isinstance(value, int) or isinstance(value, bool) or value < least:
+        if not toml_file.is_whole(value) or value < least:
             remedy = "Write it without unit and quotes"
             raise self.refused(key, f"a whole number, {least} or more, is expected, found {value!r}", remedy)
         return value

@@ -27,7 +27,7 @@ from uncertainties import UFloat, umath, wrap
 
 from geometry.errors import BadInput
 from geometry.frames import Array
-from geometry.toml_file import quantity, tagged
+from geometry.toml_file import is_number, quantity, tagged
 from validation.classical.files import HEAD, Fields, Reduction
 
 Value = TypeVar("Value", float, UFloat)
@@ -683,7 +683,7 @@ def _axis(entry: Fields) -> tuple[float, ...]:
     about = entry.table.get("about")
     if isinstance(about, str) and about in _AXES:
         return _AXES[about]
-    if isinstance(about, list) and len(about) == 3 and all(isinstance(c, int | float) and not isinstance(c, bool) for c in about):
+    if isinstance(about, list) and len(about) == 3 and all(is_number(c) for c in about):
         length = float(np.linalg.norm(about))
         if np.isfinite(length) and length > 0:
             return tuple(float(c) / length for c in about)

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from geometry.errors import BadInput
-from geometry.toml_file import nearest
+from geometry.toml_file import is_number, nearest
 from validation.effects import effect as effect_types
 from validation.effects.stages import ChannelResponse, JointSprings, Matrices, MountedDynamicMass, NoiseModel, PendulumSwing
 
@@ -119,7 +119,7 @@ Rule = tuple[Callable[[Any], bool], str]
 
 
 def _number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and not isnan(value)
+    return is_number(value) and not isnan(value)
 
 
 def _sizes(value: Any) -> bool:

@@ -368,7 +368,7 @@ def read(path: Path) -> Ladder:
     if table.get("kind") != KIND or not isinstance(table.get("rungs"), list):
         raise _refused(source, "it is no ladder of massline")
     found = table.get("format")
-    if isinstance(found, int) and not isinstance(found, bool) and found > FORMAT:
+    if toml_file.is_whole(found) and found > FORMAT:
         problem = f"its format is {found}, written by a newer massline; this one reads {FORMAT}"
         raise BadInput(source=source, field="format", problem=problem, remedy="Use that massline. Nothing was changed")
     if found != FORMAT or isinstance(found, bool):
@@ -376,7 +376,7 @@ def read(path: Path) -> Ladder:
     try:
         rungs = tuple(from_json(Version, one) for one in table["rungs"])
         current = table["current"]
-        if current is not None and (isinstance(current, bool) or not isinstance(current, int)):
+        if current is not None and (not toml_file.is_whole(current)):
             raise TypeError(f"a whole number is expected, found {current!r:.60}")
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         if isinstance(error, BadInput):

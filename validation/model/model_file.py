@@ -112,7 +112,7 @@ def checked(table: Fields, key: str, value: object, *, low: float, high: float, 
     ------
     BadInput : it is not.
     """
-    if isinstance(value, bool) or not isinstance(value, int | float):
+    if not toml_file.is_number(value):
         raise table.refused(key, f"a number is expected, found {value!r}", "Write it without unit and quotes; the key names it")
     if not isfinite(value) or not low <= value <= high or (above and value == low):
         least = f"above {low:g}" if above else f"from {low:g}"

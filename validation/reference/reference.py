@@ -655,6 +655,6 @@ def _list(value: Any, length: int, name: str, field: str) -> list[Any]:
 
 
 def _finite(value: Any, name: str, field: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < float("inf"):
+    if not toml_file.is_number(value) or not abs(value) < float("inf"):
         raise BadInput(source=name, field=field, problem=f"must be a finite number, found {value!r}", remedy="Correct it")
     return float(value)

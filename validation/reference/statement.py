@@ -284,7 +284,7 @@ def _rotation(value: Any, source: str, field: str) -> Array:
     entries = value if isinstance(value, list) else []
     if len(entries) == 3 and all(isinstance(row, list) and len(row) == 3 for row in entries):
         entries = [entry for row in entries for entry in row]
-    nine_numbers = all(isinstance(entry, int | float) and not isinstance(entry, bool) for entry in entries)
+    nine_numbers = all(toml_file.is_number(entry) for entry in entries)
     numbers = [float(entry) for entry in entries] if nine_numbers and len(entries) == 9 else None
     if numbers is None:
         raise _no_rotation(f"found {value!r}", source, field)
