@@ -138,69 +138,49 @@ def frequencies(model: Submitted) -> tuple[Array, list[Finding]]:
     if _reproduced(own, stated):
         return own, []
     what = "K and M do not reproduce the stated frequencies"
-    finding = Finding(check="frequencies", what=what, where="`stated.frequencies`", amount=listed, remedy="")
+    said = {"check": "frequencies", "what": what, "where": "`stated.frequencies`", "amount": listed}
+    return own, [Finding(**said | _why_not(model, own, stated, count, what))]
+
+
+def _why_not(model: Submitted, own: Array, stated: Array, count: int, what: str) -> dict[str, str]:
+    """Fields of a finding that say why `count` of the model's `own` frequencies [Hz] are not those that are `stated`."""
     m = min(len(own), len(stated))
     ratio = own[:m] / stated[:m, 0]
     factor = float(np.exp(np.mean(np.log(ratio))))
     if m > 1 and np.ptp(np.log(ratio)) < 0.02 and abs(factor - 1) > 0.01:
         unit, remedy = _factor_named(factor)
-        check = "unit of frequency" if unit else "frequencies"
-        said = f"{what}: all of them are {factor:.4g} times as high"
-        return own, [replace(finding, check=check, what=said, remedy=remedy)]
+        named = {"check": "unit of frequency"} if unit else {}
+        return {**named, "what": f"{what}: all of them are {factor:.4g} times as high", "remedy": remedy}
     if model.support == "base":
         free = _frequencies(model, count, "free")
         if free is not None and _reproduced(free, stated):
             remedy = "Name the interface that they were computed with, or state those of the held structure"
-            return own, [
-                replace(
-                    finding,
-                    check="boundary",
-                    what=f"{what}, but the free structure does",
-                    where="`fe_model.interface`",
-                    remedy=remedy,
-                )
-            ]
+            what = f"{what}, but the free structure does"
+            return {"check": "boundary", "what": what, "where": "`fe_model.interface`", "remedy": remedy}
     for words, M in _lumped(model):
         other = _frequencies(replace(model, mass=M), count, model.support)
         if other is not None and _reproduced(other, stated):
             remedy = "Export the mass that the frequencies were computed with (Nastran: PARAM,COUPMASS), or state others"
-            return own, [
-                replace(
-                    finding, check="lumped mass", what=f"{what}, but with {words} they do", where="array `mass`", remedy=remedy
-                )
-            ]
-    matched = [
-        k for k, one in enumerate(stated) if len(own) and np.min(np.abs(own / one[0] - 1)) <= max(REPRODUCED, 3 * one[1] / one[0])
-    ]
-    diagonal = (
-        np.isin(model.dofs.labels[:, 1:].ravel(), (1, 2, 3))
-        if len(model.dofs.labels)
-        else np.ones(model.mass.shape[0], dtype=bool)
-    )
+            what = f"{what}, but with {words} they do"
+            return {"check": "lumped mass", "what": what, "where": "array `mass`", "remedy": remedy}
+    matched = [k for k, one in enumerate(stated) if np.min(np.abs(own / one[0] - 1)) <= max(REPRODUCED, 3 * one[1] / one[0])]
+    labels, diagonal = model.dofs.labels, np.ones(model.mass.shape[0], dtype=bool)
+    if len(labels):
+        diagonal = np.isin(labels[:, 1:].ravel(), (1, 2, 3))
     off = model.mass[diagonal][:, diagonal]
-    if (
-        off.count_nonzero() == np.count_nonzero(off.diagonal())
-        and m > 2
-        and np.all(ratio < 1 + REPRODUCED)
-        and np.polyfit(stated[:m, 0], ratio, 1)[0] < 0
-    ):
+    lumped = off.count_nonzero() == np.count_nonzero(off.diagonal())
+    if lumped and m > 2 and np.all(ratio < 1 + REPRODUCED) and np.polyfit(stated[:m, 0], ratio, 1)[0] < 0:
         what = f"{what}: they fall short the more, the higher, as a lumped mass does, and M is lumped"
         remedy = "Export the consistent mass if they were computed with it (Nastran: PARAM,COUPMASS,1), or refine the mesh"
-        return own, [replace(finding, check="lumped mass", what=what, where="array `mass`", remedy=remedy)]
+        return {"check": "lumped mass", "what": what, "where": "array `mass`", "remedy": remedy}
     if matched and len(matched) >= len(stated) / 2:
         missing = ", ".join(f"{one[0]:.5g} Hz" for k, one in enumerate(stated) if k not in matched)
-        said = (
-            f"{what}: {missing} has no counterpart, the other {len(matched)} have"
-            if missing
-            else f"{what}: each has a counterpart, but others lie between"
-        )
-        return own, [
-            replace(finding, what=said, remedy="Look for a part, spring or point mass that is in one of the two models only")
-        ]
+        some = f"{missing} has no counterpart, the other {len(matched)} have"
+        what = f"{what}: {some if missing else 'each has a counterpart, but others lie between'}"
+        return {"what": what, "remedy": "Look for a part, spring or point mass that is in one of the two models only"}
     softer = "too soft or too heavy" if factor < 1 else "too stiff or too light"
     over = f"The matrices are {softer}, by {100 * (factor**2 - 1):+.3g} % of stiffness over mass in the mean"
-    remedy = f"{over}: look for a part, a support or a material that differs"
-    return own, [replace(finding, remedy=remedy)]
+    return {"remedy": f"{over}: look for a part, a support or a material that differs"}
 
 
 def _frequencies(model: Submitted, count: int, support: str) -> Array | None:
