@@ -335,10 +335,8 @@ def fit(
         else:
             w = np.asarray(weights, dtype=np.float64)
         if w.shape != H.matrix.shape or not np.all((w >= 0) & np.isfinite(w)):
-            problem, remedy = (
-                f"must be finite, not negative and of shape {H.matrix.shape}",
-                "Give one over the standard deviation",
-            )
+            problem = f"must be finite, not negative and of shape {H.matrix.shape}"
+            remedy = "Give one over the standard deviation"
             raise BadInput(source="ten parameters", field="weights", problem=f"{problem}, found shape {w.shape}", remedy=remedy)
         rows, values = rows * w.reshape(-1, 36, 1), values * w.reshape(-1, 36)
     equations = Equations(rows=rows.reshape(-1, 1, 10), values=values.reshape(-1, 1), left=rows.reshape(-1, 1, 10))

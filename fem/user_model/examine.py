@@ -183,10 +183,8 @@ def submitted(contents: Contents, description: Description) -> tuple[Submitted |
     for name, A in read.items():
         if A.shape != K.shape:
             what = f"the {name} is {A.shape[0]} x {A.shape[1]} where the stiffness is {K.shape[0]} x {K.shape[1]}"
-            remedy, amount = (
-                "Write both for the same degrees of freedom, in the same order",
-                f"{abs(A.shape[0] - K.shape[0])} rows",
-            )
+            remedy = "Write both for the same degrees of freedom, in the same order"
+            amount = f"{abs(A.shape[0] - K.shape[0])} rows"
             found.append(Finding(check="size", what=what, where=f"array `{name}`", amount=amount, remedy=remedy))
     if M.shape != K.shape:
         return None, found

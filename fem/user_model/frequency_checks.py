@@ -45,15 +45,8 @@ def definiteness(model: Submitted, name: str) -> tuple[matrices.Factored | None,
         heavy = np.flatnonzero(diagonal > 0)
         if not heavy.size:
             what, amount = "no free degree of freedom has mass", f"{len(rows)} rows"
-            return None, [
-                Finding(
-                    check="no mass",
-                    what=what,
-                    where="array `mass`",
-                    amount=amount,
-                    remedy="Check that this is M, and the interface",
-                )
-            ]
+            remedy = "Check that this is M, and the interface"
+            return None, [Finding(check="no mass", what=what, where="array `mass`", amount=amount, remedy=remedy)]
         rows, A = rows[heavy], A[heavy][:, heavy]
     if np.any(A.diagonal() <= 0):
         return None, []  # said already, with the diagonal
@@ -76,10 +69,8 @@ def definiteness(model: Submitted, name: str) -> tuple[matrices.Factored | None,
         )
         return None, [Finding(check=f"indefinite {name}", what=what, where=where, amount=amount, remedy=remedy)]
     if name == "mass":
-        what, remedy = (
-            "a combination of motions has no mass though each of them has",
-            "Write the consistent mass, or a lumped one",
-        )
+        what = "a combination of motions has no mass though each of them has"
+        remedy = "Write the consistent mass, or a lumped one"
         return None, [
             Finding(check="singular mass", what=what, where=where, amount=f"{len(factor.zero)} zero pivot(s)", remedy=remedy)
         ]
@@ -307,15 +298,8 @@ def damping(model: Submitted) -> list[Finding]:
         if moving.size or lowest < -1e-5:
             what = f"the {name} damping feeds energy into a motion instead of taking it out"
             remedy = "Correct the sign of its entries: a damping matrix has no negative eigenvalue"
-            found.append(
-                Finding(
-                    check="damping",
-                    what=what,
-                    where=model.places_of(moving),
-                    amount=f"its lowest eigenvalue, on the scale of its diagonal, is {lowest:.3g}",
-                    remedy=remedy,
-                )
-            )
+            amount = f"its lowest eigenvalue, on the scale of its diagonal, is {lowest:.3g}"
+            found.append(Finding(check="damping", what=what, where=model.places_of(moving), amount=amount, remedy=remedy))
             continue
         if model.support == "ground" or not len(model.dofs.rigid):
             continue
@@ -354,10 +338,8 @@ def modal(contents: description.Contents, described: description.Description) ->
             (np.flatnonzero(np.diff(frequency) < 0) + 1, "the frequencies do not ascend"),
         ):
             if wrong.size:
-                amount, remedy = (
-                    f"{frequency[wrong[0]]:.5g} Hz",
-                    "Sort frequency, damping_ratio and the columns of participation together",
-                )
+                amount = f"{frequency[wrong[0]]:.5g} Hz"
+                remedy = "Sort frequency, damping_ratio and the columns of participation together"
                 found.append(
                     Finding(check="order of modes", what=what, where=f"mode {wrong[0] + 1}", amount=amount, remedy=remedy)
                 )
@@ -370,11 +352,8 @@ def modal(contents: description.Contents, described: description.Description) ->
             else "a damping ratio of 1 and more: per cent are written for shares"
         )
         amount, where = f"{ratio[wrong[0]]:.4g} and {len(wrong) - 1} more", f"mode {wrong[0] + 1}"
-        found.append(
-            Finding(
-                check="damping", what=what, where=where, amount=amount, remedy="Write the share of critical damping, 0.01 for 1 %"
-            )
-        )
+        remedy = "Write the share of critical damping, 0.01 for 1 %"
+        found.append(Finding(check="damping", what=what, where=where, amount=amount, remedy=remedy))
     if rigid is not None:
         rigid = rigid * np.outer(u.six, u.six) * u.mass
         about = (
@@ -405,10 +384,8 @@ def modal(contents: description.Contents, described: description.Description) ->
                 Finding(check="participation", what=what, where=f"`participation`, row {worst + 1}", amount=amount, remedy=remedy)
             )
         elif shares[:3].max() < 1e-4:
-            what, amount = (
-                "the modes carry next to nothing: participation is in another unit than rigid_mass",
-                f"{shares[:3].max():.3g} of the mass at most",
-            )
+            what = "the modes carry next to nothing: participation is in another unit than rigid_mass"
+            amount = f"{shares[:3].max():.3g} of the mass at most"
             found.append(Finding(check="participation", what=what, where="`participation`", amount=amount, remedy=remedy))
         elif shares[:3].min() < ENOUGH and not np.any(np.asarray(contents.arrays.get("residual", 0.0))):
             highest = 0.0 if frequency is None else float(frequency.max(initial=0.0))
@@ -429,10 +406,5 @@ def modal(contents: description.Contents, described: description.Description) ->
 
 def refusal(error: BadInput) -> Finding:
     """What a reader refuses, as a finding."""
-    return Finding(
-        check=error.field.partition("/")[0] or "file",
-        what=error.problem,
-        where=f"{error.source}: `{error.field}`",
-        amount="",
-        remedy=error.remedy,
-    )
+    where = f"{error.source}: `{error.field}`"
+    return Finding(check=error.field.partition("/")[0] or "file", what=error.problem, where=where, amount="", remedy=error.remedy)

@@ -159,15 +159,11 @@ def entries(model: Submitted) -> tuple[Submitted, list[Finding]]:
             continue
         worst = negative[np.argsort(diagonal[negative])]
         every = len(negative) > len(diagonal) / 2
-        found.append(
-            Finding(
-                check="sign" if every else "diagonal",
-                what=f"the {name} has the wrong sign" if every else f"the {name} is negative on the diagonal",
-                where=model.places_of(worst),
-                amount=f"{len(negative)} of {len(diagonal)} diagonal entries, down to {diagonal[worst[0]]:.4g} [SI]",
-                remedy="Write it with the opposite sign" if every else "Correct these entries: no motion may give energy away",
-            )
-        )
+        what = f"the {name} has the wrong sign" if every else f"the {name} is negative on the diagonal"
+        where = model.places_of(worst)
+        amount = f"{len(negative)} of {len(diagonal)} diagonal entries, down to {diagonal[worst[0]]:.4g} [SI]"
+        remedy = "Write it with the opposite sign" if every else "Correct these entries: no motion may give energy away"
+        found.append(Finding(check="sign" if every else "diagonal", what=what, where=where, amount=amount, remedy=remedy))
         if every:
             model = replace(model, **{name: -getattr(model, name)})
     return model, found
@@ -197,13 +193,11 @@ def _made_symmetric(model: Submitted, name: str, share: float, i: int, j: int) -
     row, column = (max(i, j), min(i, j)) if best == 1 else (min(i, j), max(i, j))
     reason = "the rigid motions pass" if name != "mass" else "the mass is the same along all axes"
     said = f"; row {row + 1}, column {column + 1} is the wrong one, for with the other {reason}" if best else ""
-    finding = Finding(
-        check="symmetry",
-        what=f"the {name} is not symmetric: across the diagonal stand {A[i, j]:.6g} and {A[j, i]:.6g} [SI]{said}",
-        where=f"row {i + 1}, column {j + 1}: {model.dofs.name(i)} and {model.dofs.name(j)}",
-        amount=f"{share:.2g} of the largest entry of the two rows",
-        remedy="Correct the entry; gyroscopic and follower terms are not part of K and M",
-    )
+    what = f"the {name} is not symmetric: across the diagonal stand {A[i, j]:.6g} and {A[j, i]:.6g} [SI]{said}"
+    where = f"row {i + 1}, column {j + 1}: {model.dofs.name(i)} and {model.dofs.name(j)}"
+    amount = f"{share:.2g} of the largest entry of the two rows"
+    remedy = "Correct the entry; gyroscopic and follower terms are not part of K and M"
+    finding = Finding(check="symmetry", what=what, where=where, amount=amount, remedy=remedy)
     return choices[best], finding
 
 
@@ -249,13 +243,10 @@ def parts(whole: Mapping[str, Sparse], shares: Mapping[str, Mapping[str, Sparse]
             if abs(D - weight * matrix).max() <= 1e-3 * abs(D).max() and size:
                 blame = f": part {part} is in the whole {1 + weight:.4g} times"
         rows = np.unique(row[off > max(ADDED_UP, 1e-3 * off.max())])
-        yield Finding(
-            check="parts",
-            what=f"the parts of the {name} do not add up to the whole{blame}",
-            where=model.places_of(rows),
-            amount=f"{D.data[worst]:.4g} [SI] in row {row[worst] + 1}, column {column[worst] + 1}, {off[worst]:.2g} of it",
-            remedy="Write the parts from the same model as the whole, each once, or leave out the whole: it is their sum",
-        )
+        what = f"the parts of the {name} do not add up to the whole{blame}"
+        amount = f"{D.data[worst]:.4g} [SI] in row {row[worst] + 1}, column {column[worst] + 1}, {off[worst]:.2g} of it"
+        remedy = "Write the parts from the same model as the whole, each once, or leave out the whole: it is their sum"
+        yield Finding(check="parts", what=what, where=model.places_of(rows), amount=amount, remedy=remedy)
 
 
 # --- what hangs together ----------------------------------------------------------------------------------------------------
@@ -291,10 +282,8 @@ def connections(model: Submitted) -> tuple[Submitted, list[Finding]]:
         remedy = "Take them out, or connect them: a node that no element uses, or a rotation that solid elements do not have"
         found.append(Finding(check="orphan", what=what, where=named, amount=many, remedy=remedy))
     if unstiff.size:
-        what, remedy = (
-            "mass hangs where there is no stiffness",
-            "Connect it: a point mass on a node that no element uses, or a row of K lost",
-        )
+        what = "mass hangs where there is no stiffness"
+        remedy = "Connect it: a point mass on a node that no element uses, or a row of K lost"
         amount = f"{len(unstiff)} degree(s) of freedom, {float(M.diagonal()[unstiff].max()):.4g} [SI] of mass on one of them"
         found.append(Finding(check="no stiffness", what=what, where=model.places_of(unstiff), amount=amount, remedy=remedy))
     if size and not model.reduced and len(model.nodes) == len(np.unique(model.nodes)):
@@ -311,10 +300,8 @@ def connections(model: Submitted) -> tuple[Submitted, list[Finding]]:
             x, y, z = model.places[np.flatnonzero(model.nodes == apart[0][0])[0]]
             what = "nodes lie on one place and are not connected: the meshes of two parts that touch, but were never joined"
             where = f"nodes {listed}, the first at ({x:.4g}, {y:.4g}, {z:.4g}) m"
-            amount, remedy = (
-                f"{len(apart)} pair(s)",
-                "Merge them, or join them by an element; if they may slide on each other, leave them",
-            )
+            amount = f"{len(apart)} pair(s)"
+            remedy = "Merge them, or join them by an element; if they may slide on each other, leave them"
             found.append(Finding(check="coincident", what=what, where=where, amount=amount, remedy=remedy))
     gone = np.concatenate([empty, unstiff, beside])
     count, label = connected_components(abs(K) + abs(M), directed=False)
@@ -324,10 +311,8 @@ def connections(model: Submitted) -> tuple[Submitted, list[Finding]]:
             for k in np.setdiff1d(np.arange(count), label[model.dofs.held])
             if not np.isin(rows := np.flatnonzero(label == k), gone).all()
         ]
-        what, remedy = (
-            "a part hangs on nothing that the base holds",
-            "Join it, or name the nodes on which it stands in the interface",
-        )
+        what = "a part hangs on nothing that the base holds"
+        remedy = "Join it, or name the nodes on which it stands in the interface"
     elif model.support == "free":
         whole = [rows for k in range(count) if not np.isin(rows := np.flatnonzero(label == k), gone).all()]
         loose = sorted(whole, key=len)[:-1]
@@ -347,15 +332,10 @@ def connections(model: Submitted) -> tuple[Submitted, list[Finding]]:
             if hard.size:
                 hard = hard[np.argsort(-K.diagonal()[hard])]
                 ratio = K.diagonal()[hard[0]] / np.median(diagonal)
-                found.append(
-                    Finding(
-                        check="penalty",
-                        what=f"a {words} is held far more stiffly than all others: a penalty spring, or a rigid link",
-                        where=model.places_of(hard),
-                        amount=f"{ratio:.3g} times the median, which takes {np.log10(ratio):.0f} of 16 digits from the others",
-                        remedy="Use a spring some hundred times as stiff as what it joins, or a rigid link without stiffness",
-                    )
-                )
+                what = f"a {words} is held far more stiffly than all others: a penalty spring, or a rigid link"
+                amount = f"{ratio:.3g} times the median, which takes {np.log10(ratio):.0f} of 16 digits from the others"
+                remedy = "Use a spring some hundred times as stiff as what it joins, or a rigid link without stiffness"
+                found.append(Finding(check="penalty", what=what, where=model.places_of(hard), amount=amount, remedy=remedy))
     gone = np.unique(np.concatenate([gone, *loose])).astype(np.intp) if loose else gone
     return (model.without(gone) if gone.size else model), found
 
@@ -424,10 +404,8 @@ def rigid_motions(model: Submitted, lowest: float | None) -> tuple[Submitted, li
         return model, [Finding(check="grounded", what=what, where=model.places_of(held), amount=amount, remedy=remedy)]
     if len(nodes) <= 4:
         what = "a link or spring between nodes that are apart has no lever arms: it strains when the whole turns"
-        where, remedy = (
-            f"nodes {', '.join(map(str, nodes))}",
-            "Give the link its lever arms (RBE2, MPC with rotations), or join nodes that lie on one place",
-        )
+        where = f"nodes {', '.join(map(str, nodes))}"
+        remedy = "Give the link its lever arms (RBE2, MPC with rotations), or join nodes that lie on one place"
         return model, [Finding(check="link", what=what, where=where, amount=amount, remedy=remedy)]
     what = "the stiffness resists rotations of the whole, not its translations: the coordinates do not belong to it"
     remedy = "Check the coordinates, their unit, the order of the rows and the displacement coordinate systems"
@@ -590,10 +568,8 @@ def mass(model: Submitted, units: UnitSystem) -> list[Finding]:
                 if odd is None
                 else f"node {odd}, which carries {', '.join(f'{value:.4g}' for value in carried_there)} kg along x, y, z"
             )
-            what, remedy = (
-                "the mass is not the same along all axes",
-                "Give a point mass all three axes; look for rows of M that were lost or written twice",
-            )
+            what = "the mass is not the same along all axes"
+            remedy = "Give a point mass all three axes; look for rows of M that were lost or written twice"
             return [Finding(check="mass by axis", what=what, where=where, amount=amount, remedy=remedy)]
         what = f"the mass is that of no rigid body: {error.problem}"
         amount = f"{carried:.6g} kg in all"
@@ -611,27 +587,15 @@ def mass(model: Submitted, units: UnitSystem) -> list[Finding]:
                 f" Nodes without rows, such as {gone[0]}, may have had what is missing." if missing and gone and not unit else ""
             )
             what = "the mass is off by the factor of a unit" if unit else "the mass is not the stated one"
-            return [
-                Finding(
-                    check="unit of mass" if unit else "total mass",
-                    what=what,
-                    where="array `mass`",
-                    amount=amount,
-                    remedy=error.remedy + more,
-                )
-            ]
+            where = "array `mass`"
+            remedy = error.remedy + more
+            return [Finding(check="unit of mass" if unit else "total mass", what=what, where=where, amount=amount, remedy=remedy)]
         distance = np.linalg.norm(
             model.reference_point + inertia.first_moment / inertia.mass - (0.0 if model.stated.cog is None else model.stated.cog)
         )
-        return [
-            Finding(
-                check="centre of gravity",
-                what=error.problem,
-                where="`coordinates` or `stated.cog`",
-                amount=f"{1e3 * distance:.4g} mm apart",
-                remedy=error.remedy,
-            )
-        ]
+        where = "`coordinates` or `stated.cog`"
+        amount = f"{1e3 * distance:.4g} mm apart"
+        return [Finding(check="centre of gravity", what=error.problem, where=where, amount=amount, remedy=error.remedy)]
     told = stated is not None or not units.known
     return [] if model.reduced or not len(labels) or told else list(_material(model, inertia.mass))
 

@@ -127,10 +127,8 @@ def made(name: str, progress: Progress | None = None) -> Series:
         raise BadInput(source="example", field=name, problem="no example is called so", remedy=remedy)
     there = cache.folder()
     if there is None:
-        problem, remedy = (
-            "there is no folder in which it could be kept",
-            "Name a folder in the environment variable MASSLINE_CACHE",
-        )
+        problem = "there is no folder in which it could be kept"
+        remedy = "Name a folder in the environment variable MASSLINE_CACHE"
         raise BadInput(source="example", field=of.name, problem=problem, remedy=remedy)
     made_of = json_text({"version": version("massline"), **asdict(of)})
     folder = there / "examples" / f"{of.name}-{sha256(made_of.encode()).hexdigest()[:12]}"

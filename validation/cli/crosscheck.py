@@ -343,10 +343,8 @@ def model_command(
         from validation.report.flexible import examine_answer
 
         if out is not None or force or tests:
-            problem, remedy = (
-                "it writes no file",
-                "Leave out --out, --force and --test; --json prints what was found as one object",
-            )
+            problem = "it writes no file"
+            remedy = "Leave out --out, --force and --test; --json prints what was found as one object"
             raise BadInput(source="--examine", problem=problem, remedy=remedy)
         examine_answer(article, as_json=as_json)
         return

@@ -230,11 +230,9 @@ def _positive(n: int, scale: float) -> Any:
 @cache
 def trials() -> Mapping[str, Any]:
     """By kind, a stage to try an equation on; its arrays cannot be written to."""
-    n, channels, frequency = (
-        BASE + OWN,
-        (*effect_types.TABLE, *effect_types.COVER, *effect_types.FMD),
-        _frozen(np.linspace(10.0, 11.0, LINES)),
-    )
+    n = BASE + OWN
+    channels = (*effect_types.TABLE, *effect_types.COVER, *effect_types.FMD)
+    frequency = _frozen(np.linspace(10.0, 11.0, LINES))
     held = np.zeros((n, n))
     held[BASE:, BASE:] = _positive(OWN, 1e5)
     return {

@@ -148,10 +148,8 @@ def described(structure: Structure, modes: Modes, article: Article | None) -> tu
     if article is not None:
         families = [family(part.name) for part in article.counted_parts]
         owners_names = list(dict.fromkeys(families))
-        names, owner = (
-            owners_names,
-            np.array([owners_names.index(name) for name in families])[nearest_part(article, structure.points)],
-        )
+        names = owners_names
+        owner = np.array([owners_names.index(name) for name in families])[nearest_part(article, structure.points)]
     elif not structure.part_stiffness:
         names, owner = [""], np.zeros(len(structure.points), dtype=np.intp)
     else:

@@ -536,10 +536,8 @@ def grounded(
     if errors is not None and (errors.converged or not ended):
         return at, ()
     if at.rung is None or at.rung.errors is None:
-        rung, said = (
-            history.next_rung(at),
-            (f"{at.path.name} was edited by hand: that is a rung of its own",) if at.edited else (),
-        )
+        rung = history.next_rung(at)
+        said = (f"{at.path.name} was edited by hand: that is a rung of its own",) if at.edited else ()
     else:
         rung = Version(number=len(at.ladder.rungs), parent=at.rung.number, cause=history.OTHER_DATA, model=at.text)
         said = (f"rung {at.rung.number} stands on other data or settings: the model is held against these first",)

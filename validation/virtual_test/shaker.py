@@ -308,10 +308,8 @@ def _mounted(plan: Plan) -> "tuple[ArticleOnTable, dict[str, Part]]":
             ratio = np.broadcast_to(np.asarray(plan.damping.ratio, dtype=np.float64), (kept,))
             damping = replace(plan.damping, ratio=ratio * plan.drawn_damping(kept))
         modes = fixed_base(structure, kept, damping=damping)
-        made, parts = (
-            replace(nominal, structure=structure, modes=modes),
-            {_sheet(name): part for name, part in scattered.items()},
-        )
+        made = replace(nominal, structure=structure, modes=modes)
+        parts = {_sheet(name): part for name, part in scattered.items()}
     return assembled(plan.article, made, asked, attached, highest=_highest(plan, made.modes)), parts
 
 
