@@ -203,9 +203,8 @@ def _by_lanczos(K: Sparse, M: Sparse, count: int, shift: float, factoriser: str 
         together = _sorted(np.append(pairs.values, others.values), np.hstack([pairs.vectors, others.vectors]))
         pairs = Eigenpairs(values=together.values[:count], vectors=together.vectors[:, :count])
     frequency = np.sqrt(max(shift + 1 / best, 0.0)) / (2 * np.pi)
-    raise CheckFailed(
-        f"The eigenvalue iteration missed a mode near {frequency:.4g} Hz. Ask for a few more modes.", frequency_hz=frequency
-    )
+    said = f"The eigenvalue iteration missed a mode near {frequency:.4g} Hz. Ask for a few more modes."
+    raise CheckFailed(said, frequency_hz=frequency)
 
 
 def _iterated(K: Sparse, M: Sparse, count: int, shift: float, solve: Callable[[Array], Array], known: Array) -> Eigenpairs:

@@ -226,13 +226,11 @@ def _weighted(equations: Equations, weight: Array) -> RigidSolution:
         else:
             kept = np.where(np.abs(null[0]) >= SHARE * np.abs(null[0]).max(), null[0], 0)
             mixed = f"; the data say nothing of {combination(kept, PARAMETERS)} (each as a share of what it does in the data)"
-        raise Unidentifiable(
+        said = (
             f"The data leave {', '.join(open_)} open: {told}{mixed}. Drive the base motions that these act on, "
-            "in runs of their own",
-            singular_values=singular,
-            null_direction=right[-1],
-            undetermined=open_,
+            "in runs of their own"
         )
+        raise Unidentifiable(said, singular_values=singular, null_direction=right[-1], undetermined=open_)
     # Z = left s right: the normal equations Z^T A p = Z^T b without squaring the condition number.
     inner = left.T @ A
     p = np.linalg.solve(inner, left.T @ b)

@@ -124,12 +124,11 @@ def states(mass: Array, viscous: Array, stiffness: Array, input_matrix: Array) -
     except LinAlgError:
         raise CheckFailed("The mass matrix of what moves on the table is not positive definite.") from None
     if squares[0] <= np.finfo(np.float64).eps * squares[-1]:
-        raise CheckFailed(
+        said = (
             f"Something on the table swings freely: its lowest squared frequency is {squares[0]:.3g} (rad/s)², nothing but "
-            f"rounding beside the highest of {squares[-1]:.3g}. Hold it, or soften what is stiffest.",
-            squared_frequency=float(squares[0]),
-            greatest=float(squares[-1]),
+            f"rounding beside the highest of {squares[-1]:.3g}. Hold it, or soften what is stiffest."
         )
+        raise CheckFailed(said, squared_frequency=float(squares[0]), greatest=float(squares[-1]))
     omega, C = np.sqrt(squares), Phi.T @ viscous @ Phi
     zero = np.zeros((n, n))
     B = np.vstack([np.zeros((n, input_matrix.shape[1])), Phi.T @ input_matrix])
@@ -393,13 +392,11 @@ def require_bounded(samples: Array, names: tuple[str, ...], start: int, sampling
         return
     sample, channel = (int(i) for i in np.argwhere(~bounded)[0])
     time, name = (start + sample) / sampling_rate, names[channel]
-    raise CheckFailed(
+    said = (
         f"The exact recursion lost the rig at {time:.6g} s: its {name} has grown beyond {BEYOND:g}. "
-        "Look for a damping or stiffness that feeds energy in.",
-        route="recursion",
-        time=time,
-        channel=name,
+        "Look for a damping or stiffness that feeds energy in."
     )
+    raise CheckFailed(said, route="recursion", time=time, channel=name)
 
 
 def load(structure: RigStructure) -> Channels:

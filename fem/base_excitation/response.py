@@ -431,10 +431,8 @@ def _of_table(
 def _resting(pattern: Pattern, rest: float) -> float:
     """`rest` [s] after `pattern`, unless it is too long."""
     if not rest <= LONGEST:
-        raise CheckFailed(
-            f"After the {pattern.label} the article rings for {rest:.3g} s, more than {LONGEST:g} s. Give it damping.",
-            seconds=rest,
-        )
+        said = f"After the {pattern.label} the article rings for {rest:.3g} s, more than {LONGEST:g} s. Give it damping."
+        raise CheckFailed(said, seconds=rest)
     return rest
 
 

@@ -500,16 +500,12 @@ def integrate(scene: Scene, settings: Any, drive: Drive) -> BaseException | None
         node = starts[first]
         coordinate = f"coordinate {worst - first + 1} of the {scene.names.get(node) or scene.system.GetNode(node)['name']}"
         time, name = drive.step / drive.rate, coordinate
-        raise CheckFailed(
+        said = (
             f"exudyn {exudyn_version()} lost the rig at {time:.6g} s, in step {drive.step} of {drive.steps}: {said}. "
             f"The largest of its last state is {name}, at {q[worst]:.4g} and changing by {rates[worst]:.4g} a second. "
-            "Take more steps a sample, and look for a damping or stiffness that feeds energy in.",
-            time=time,
-            step=drive.step,
-            coordinate=name,
-            value=float(q[worst]),
-            rate=float(rates[worst]),
+            "Take more steps a sample, and look for a damping or stiffness that feeds energy in."
         )
+        raise CheckFailed(said, time=time, step=drive.step, coordinate=name, value=float(q[worst]), rate=float(rates[worst]))
     return drive.stopped
 
 

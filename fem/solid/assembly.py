@@ -365,9 +365,8 @@ def require_upright(mesh: SolidMesh) -> None:
         return
     worst = bad[np.argsort(least[bad], kind="stable")][:3]
     places = "; ".join(f"{mesh.parts[mesh.part[cell]]} at {_place(mesh.points[mesh.cells[cell]].mean(axis=0))}" for cell in worst)
-    raise CheckFailed(
-        f"{len(bad)} of {len(mesh.cells)} elements are inverted, the worst in {places}. Give a smaller element size", elements=bad
-    )
+    said = f"{len(bad)} of {len(mesh.cells)} elements are inverted, the worst in {places}. Give a smaller element size"
+    raise CheckFailed(said, elements=bad)
 
 
 def unfilled(mesh: SolidMesh, drawn: Sequence[float] | Array) -> str:

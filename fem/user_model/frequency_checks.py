@@ -62,11 +62,9 @@ def definiteness(model: Submitted, name: str) -> tuple[matrices.Factored | None,
     if factor.negative and not energy > -ROUNDED:
         what = f"the {name} is indefinite: {factor.negative} motion(s) give energy away{held}"
         amount = f"{factor.negative} negative eigenvalue(s); the lowest, scaled to a diagonal of ones, is {energy:.3g}"
-        remedy = (
-            "Look there for a negative spring, a load or pre-stress beyond buckling, or a rounded reduction"
-            if name == "stiffness"
-            else "Look there for a wrong entry: every principal minor of M is positive"
-        )
+        remedy = "Look there for a wrong entry: every principal minor of M is positive"
+        if name == "stiffness":
+            remedy = "Look there for a negative spring, a load or pre-stress beyond buckling, or a rounded reduction"
         return None, [Finding(check=f"indefinite {name}", what=what, where=where, amount=amount, remedy=remedy)]
     if name == "mass":
         what = "a combination of motions has no mass though each of them has"
@@ -346,11 +344,9 @@ def modal(contents: description.Contents, described: description.Description) ->
     if ratio is not None and np.any((ratio < 0) | (ratio >= 1)):
         wrong = np.flatnonzero((ratio < 0) | (ratio >= 1))
         feeds = bool(np.any(ratio < 0))
-        what = (
-            "a negative damping ratio feeds energy in"
-            if feeds
-            else "a damping ratio of 1 and more: per cent are written for shares"
-        )
+        what = "a damping ratio of 1 and more: per cent are written for shares"
+        if feeds:
+            what = "a negative damping ratio feeds energy in"
         amount, where = f"{ratio[wrong[0]]:.4g} and {len(wrong) - 1} more", f"mode {wrong[0] + 1}"
         remedy = "Write the share of critical damping, 0.01 for 1 %"
         found.append(Finding(check="damping", what=what, where=where, amount=amount, remedy=remedy))

@@ -440,11 +440,9 @@ def _explanations(model: Submitted, weighed: Array, d: Array, rows: Integers) ->
                 else f"all coordinates are multiplied by {s:.6g}"
                 + (f", {named} confused with the unit of the matrices" if named else "")
             )
-            remedy = (
-                "Write rotations and moments in radians"
-                if degrees
-                else "Write the coordinates in the unit of length of the matrices, or correct `fe_model.units`"
-            )
+            remedy = "Write the coordinates in the unit of length of the matrices, or correct `fe_model.units`"
+            if degrees:
+                remedy = "Write rotations and moments in radians"
             yield "rotations" if degrees else "unit of length", what, "`coordinates`, all of them", remedy, turning + s * lever
     nodes, counts = np.unique(labels[physical, 0], return_counts=True)
     per, uniform = int(counts[0]), bool(np.all(counts == counts[0])) and bool(np.all(physical))

@@ -330,9 +330,8 @@ def between_neighbours(frequency: npt.ArrayLike, values: npt.ArrayLike, around: 
     f, y = np.asarray(frequency, dtype=np.float64), np.asarray(values, dtype=np.complex128)
     width = 2 * round(around / float(np.median(np.diff(f)))) + 1 if len(f) > 1 else 1
     if width < FEWEST_NEIGHBOURS or len(f) < width:
-        raise ValueError(
-            f"`frequency` must hold {FEWEST_NEIGHBOURS} lines within {around:g} Hz of each line, found a spacing for {width}"
-        )
+        said = f"`frequency` must hold {FEWEST_NEIGHBOURS} lines within {around:g} Hz of each line, found a spacing for {width}"
+        raise ValueError(said)
     left = np.abs(y[:, 1:-1] - (y[:, :-2] + y[:, 2:]) / 2)
     half = min(width // 2, (left.shape[1] - 1) // 2)
     whole = median_filter(left, size=(1, width, 1), mode="nearest")[:, half : left.shape[1] - half]

@@ -389,9 +389,10 @@ def _properties(deck: Deck, program: Program, part: str, own: Sequence[Added]) -
     )
     if added and not program.lossy:
         if len(by) == 1:
-            raise CheckFailed(
+            problem = (
                 f"{program.name} has no structural damping of a material: set a modal damping, loss factor {lost + added:.6g}."
             )
+            raise CheckFailed(problem)
         said.append(f"{program.name} has no structural damping of a material: the loss factor is not written")
     return said, program.properties(found)
 

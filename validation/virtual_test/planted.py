@@ -389,11 +389,9 @@ def require_reaching(effects: Sequence[Named], plans: Sequence[Plan], *, source:
             )
             if parts and any(plan.model == RIGID for plan in plans):
                 nowhere_problem = "the parts of a rigid article do not give"
-            remedy = (
-                f"{nearest(named.target, known)}Known are {', '.join(known)}"
-                if known
-                else "Leave it out, or name another article"
-            )
+            remedy = "Leave it out, or name another article"
+            if known:
+                remedy = f"{nearest(named.target, known)}Known are {', '.join(known)}"
             raise BadInput(source=source, field=named.id, problem=nowhere_problem, remedy=remedy)
         if catalogue.of_parts(named) and any(plan.damping is not None for plan in plans) and "damping" in named.family:
             problem = "--damping (`Plan.damping`) states the damping of every mode, whatever the parts do"
