@@ -73,7 +73,7 @@ class Structure:
     places : by name (3, n) sparse, what each degree of freedom moves there along x, y, z; a row is empty where nothing does
     sections : by shell or beam, the shares of `part_stiffness` that grow with the thickness and with its cube
     part_tolerances : by part, standard deviation, relative, of its "modulus", "density", "loss_factor" or "thickness"
-    geometric : by part (n, n) sparse, the stiffness that its weight gives or takes under standard gravity
+    geometric : by part (n, n) sparse, the stiffness that its weight gives or takes under standard gravity (`fem.gravity`)
     """
 
     stiffness: Sparse

@@ -14,6 +14,7 @@ from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
 from benchmarks import bench_scale
+from fem import gravity
 from fem.damping import Damping
 from fem.factorisers import factorise
 from fem.modes import fixed_base
@@ -22,6 +23,7 @@ from fem.user_model import reading
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import Array, rigid_transformation_6
+from geometry.toml_file import STANDARD_GRAVITY
 from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, Named, acts, there
 from validation.effects.effect import Vocabulary
@@ -513,6 +515,78 @@ def test_targets_are_those_of_the_structure() -> None:
 def test_effects_act_where_their_target_is(text: str, on: set[str]) -> None:
     named = catalogue.parse(text, Vocabulary(places=None, parts=None))
     assert {support for support in SUPPORTS if acts(named, there("frame", standing(support)[1]))} == on
+
+
+# Weight in the stiffness of storeys
+
+
+def storeys(masses: Array, springs: Array) -> Structure:
+    """Floors that shift along x, one above the other."""
+    n = len(masses)
+    parts = {}
+    for k, spring in enumerate(springs):
+        pull = np.eye(n)[k] - (np.eye(n)[k - 1] if k else 0)
+        parts[f"storey-{k + 1}"] = csr_array(spring * np.outer(pull, pull))
+    return Structure(
+        stiffness=csr_array(sum(parts.values())),
+        mass=csr_array(np.diag(masses)),
+        rigid=np.eye(n, 6, k=n) + np.outer(np.ones(n), np.eye(6)[0]),
+        held=np.zeros(0, dtype=np.intp),
+        part_stiffness=parts,
+        grounded=True,
+        places={f"floor-{k + 1}": csr_array(np.vstack([np.eye(n)[k], np.zeros((2, n))])) for k in range(n)},
+    )
+
+
+def test_the_weight_above_a_wall_takes_its_share_of_the_stiffness() -> None:
+    """Three floors of 1.83 kg on walls of 4200 N/m and 200 mm: 7.7, 5.1 and 2.6 %, as the drawing of the rig has them."""
+    tower = storeys(np.full(3, 1.83), np.full(3, 4200.0))
+    names = ["ground", "floor-1", "floor-2", "floor-3"]
+    walls = {f"storey-{k + 1}": gravity.Storey(below=names[k], above=names[k + 1], height=0.2) for k in range(3)}
+    found = gravity.geometric(tower, walls)
+    shares = [-found[part].max() / tower.part_stiffness[part].max() if part == "storey-1" else None for part in walls]
+    assert shares[0] is not None
+    taken = [float(-found[part].diagonal().min() / tower.part_stiffness[part].diagonal().max()) for part in walls]
+    np.testing.assert_allclose(taken, [0.0769, 0.0513, 0.0256], atol=5e-4)
+
+
+def test_a_pendulum_swings_as_long_as_it_is_whatever_it_weighs() -> None:
+    """Hung from a spring of nothing: a height below zero on a hinge gives g / l."""
+    one = storeys(np.array([3.0]), np.array([1e-9]))
+    rod = {"storey-1": gravity.Storey(below="ground", above="floor-1", height=-0.7, hinged=True)}
+    K = gravity.geometric(one, rod)["storey-1"].toarray()
+    np.testing.assert_allclose(np.sqrt(K[0, 0] / 3.0), np.sqrt(STANDARD_GRAVITY / 0.7), rtol=1e-12)
+
+
+def test_a_storey_between_others_leaves_rigid_motion_free() -> None:
+    tower = storeys(np.full(3, 2.0), np.full(3, 4e3))
+    K = gravity.geometric(tower, {"storey-2": gravity.Storey(below="floor-1", above="floor-2", height=0.2, weight=10.0)})
+    np.testing.assert_allclose(K["storey-2"] @ np.ones(3), 0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("part", "storey", "says"),
+    [
+        ("storey-9", gravity.Storey(below="ground", above="floor-1", height=0.2), "no part of this name"),
+        ("storey-1", gravity.Storey(below="cellar", above="floor-1", height=0.2), "no place is called 'cellar'"),
+        ("storey-1", gravity.Storey(below="ground", above="floor-1", height=0.0), "a height that is not 0"),
+    ],
+)
+def test_a_storey_that_is_none_is_refused(part: str, storey: gravity.Storey, says: str) -> None:
+    from geometry.errors import BadInput
+
+    with pytest.raises(BadInput, match=says):
+        gravity.geometric(storeys(np.full(3, 2.0), np.full(3, 4e3)), {part: storey})
+
+
+def test_a_weight_that_two_columns_share_must_be_stated() -> None:
+    from geometry.errors import BadInput
+
+    tower = storeys(np.full(2, 2.0), np.full(2, 4e3))
+    brace = csr_array(np.diag([0.0, 1e3]))
+    both = replace(tower, stiffness=tower.stiffness + brace, part_stiffness={**tower.part_stiffness, "brace": brace})
+    with pytest.raises(BadInput, match="carried by other parts"):
+        gravity.carried(both, "storey-2")
 
 
 @pytest.mark.proof  # counts what a long structure asks for
