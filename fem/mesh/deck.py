@@ -15,6 +15,7 @@ from fem.mesh import files
 from fem.mesh.constraints import Term
 from fem.mesh.deck_content import Deck, Elastic, numbers_of, read_cards
 from fem.mesh.deck_keywords import read_keywords
+from fem.mesh.deck_text import NotThere, naming
 from fem.user_model.units import KNOWN, UnitSystem, unit_system
 from geometry import toml_file
 from geometry.dynamic_mass import MOTIONS
@@ -32,6 +33,10 @@ LIGHT = 1e-3
 
 HEAVY = 300.0
 """[kg/m³] that the heaviest material of a structure exceeds, as light wood does: nothing is of foam alone. Held there, too."""
+
+
+HOLDING = ("SPC", "SPC1", "BOUNDARY")
+"""Cards and keywords that hold nodes."""
 
 
 def described(path: Path, units: str | None = None) -> tuple[str, tuple[str, ...]]:
@@ -52,15 +57,20 @@ def read(path: Path) -> Deck:
 
     Raises
     ------
-    BadInput : it cannot be read, or it has no elements.
+    BadInput : it cannot be read, it has no elements, or something is at, joins or holds a node that is not there (which line).
     """
     mesh = files.read(path, lambda card: True)
     try:
         deck = read_keywords(path, mesh) if mesh.coordinates is None else read_cards(path, mesh, mesh.coordinates)
+        deck.settle()
+    except NotThere as error:
+        line, card = naming(path, error.what, lambda card: files.carries(card) or card in (*files.LOOSE, *HOLDING))
+        problem = f"{card} names {'node' if isinstance(error.what, int) else 'the set'} {error.what}, which is not there"
+        remedy = "Correct it, or take it out: a solver stops there, too"
+        raise BadInput(source=str(line.file), field=f"line {line.number}", problem=problem, remedy=remedy) from None
     except (ValueError, IndexError, KeyError, ArithmeticError) as error:
         problem = f"a record of it cannot be read: {type(error).__name__}, {error}"
         raise BadInput(source=str(path), problem=problem, remedy="Check the deck; it may be cut short or damaged") from None
-    deck.settle()
     return deck
 
 

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +12,7 @@ import numpy as np
 from fem.beam.elements import SIZES, plated
 from fem.mesh import constraints, files
 from fem.mesh.constraints import Motion, Sum, Term
-from fem.mesh.deck_text import BASIC, Coordinates, System, deck_lines, real
+from fem.mesh.deck_text import BASIC, Coordinates, NotThere, Points, System, deck_lines, real
 from fem.mesh.description import SEAM
 from fem.mesh.files import MeshFile, cards, own_property
 from geometry.frames import Array
@@ -23,7 +23,7 @@ ALIKE = 1e-6
 ISOTROPIC = 0.05
 """Relative difference of a shear modulus from what E and NU make of it, above which bars twist otherwise; handbooks round."""
 
-TRANSLATIONS, ALL = frozenset("123"), frozenset("123456")
+TRANSLATIONS, TURNS, ALL = frozenset("123"), frozenset("456"), frozenset("123456")
 
 HELD_AS = {"ENCASTRE": "123456", "PINNED": "123", "XSYMM": "156", "YSYMM": "246", "ZSYMM": "345"}
 """What Abaqus calls freedoms that are held together."""
@@ -193,32 +193,46 @@ class Deck:
         self.lost.append(f"{what}: {why}")
 
     @cached_property
-    def points(self) -> dict[int, Array]:
+    def points(self) -> Points:
         """Where each node is, by its number."""
-        return dict(zip(self.mesh.node_tags.tolist(), self.mesh.points, strict=True))
+        return Points(zip(self.mesh.node_tags.tolist(), self.mesh.points, strict=True))
 
     def settle(self) -> None:
-        """What stands at a node that is not there is lost; what rides in all directions in which it moves rides whole."""
+        """What rides in all directions in which it moves rides whole; what carries over is settled with it.
+
+        Raises
+        ------
+        NotThere : something stands at, joins or holds a node that is not there.
+        """
         there = set(self.mesh.node_tags.tolist())
         self._hold_along_the_axes_of_the_model()
         self._lose_what_is_made_of_nothing()
-        nodes = {name: {node} for name, (node, _) in self.masses.items()}
-        ridden = {name: numbers_of(self.mesh, own) for name, (_, own) in self.links.items()}
-        nodes |= {name: {self.links[name][0], *own} if own else set() for name, own in ridden.items()}
-        nodes |= {name: {one.follower, *one.shares} for name, one in self.means.items()}
-        nodes |= {name: set(one.ends) for name, one in self.springs.items()}
-        nodes |= {name: {node for one in sums for _, node, _ in one} for name, sums in self.equations.items()}
-        for name, own in nodes.items():
-            if not own or not own <= there:
-                for table in (self.masses, self.links, self.means, self.springs, self.equations):
-                    table.pop(name, None)
-                self.lose(name, "it stands at a node that is not there")
+        named = [node for node, _ in self.masses.values()]
+        named += [node for carrier, own in self.links.values() for node in (carrier, *numbers_of(self.mesh, own))]
+        named += [node for one in self.means.values() for node in (one.follower, *one.shares)]
+        named += [node for one in self.springs.values() for node in one.ends]
+        named += [node for sums in self.equations.values() for one in sums for _, node, _ in one]
+        named += [node for node, letters in self.held.items() if letters & ALL]  # a scalar point has none of those
+        for node in named:
+            if node not in there:
+                raise NotThere(node)
+        for name in [name for name, (_, own) in self.links.items() if not own]:
+            del self.links[name]
+            self.lose(name, "it carries no node")
         turning = self.turning  # what does not turn need not be carried in rotation
+        letters = {name: self.riding[name] for name in self.links}
         for name, (_, riders) in self.links.items():
             if set(self.riding[name]) >= (ALL if turning & set(numbers_of(self.mesh, riders)) else TRANSLATIONS):
                 del self.riding[name]
+        means = set(self.means)
         self._settle_links()
-        self._settle_equations()
+        turns = {
+            (node, int(letter) - 1): carrier
+            for name, (carrier, riders) in self.links.items()
+            for node in numbers_of(self.mesh, riders)
+            for letter in TURNS.intersection(letters[name])
+        }
+        self._settle_equations(means, turns)
         structural, carried = self.numbers(1, 2, 3), {one.follower for one in self.means.values()} | self.carriers.keys()
         tied = {node for sums in self.equations.values() for one in sums for _, node, _ in one}
         tied |= {node for _, riders in self.links.values() for node in numbers_of(self.mesh, riders)}
@@ -241,8 +255,8 @@ class Deck:
                 self.lose(name, "it stands at a node that nothing else is at")
 
     def _settle_links(self) -> None:
-        """What rides on a node that follows others, beside another link, or along axes of its own, is told by equations."""
-        structural, points = self.numbers(1, 2, 3), self.points
+        """What rides on a node that follows others, beside another link, on axes of its own or a line: by equations."""
+        structural, points, turning = self.numbers(1, 2, 3), self.points, self.turning
         riders = {name: numbers_of(self.mesh, own) for name, (_, own) in self.links.items()}
         led = {node for own in riders.values() for node in own} | {one.follower for one in self.means.values()}
         ridden, carrying = set[int](), set[int]()
@@ -250,7 +264,9 @@ class Deck:
             ways, own = self.riding.get(name), set(riders[name])
             askew = ways is not None and (carrier in structural or own & self.axes.keys())
             beside = own & ridden or carrier in carrying or (carrier in led - own and carrier not in structural)
-            if askew or beside or (carrier in structural and carrier in ridden):
+            line = np.array([points[node] - points[carrier] for node in own]) if own.isdisjoint(turning) else np.eye(3)
+            spins = carrier in structural - turning and np.linalg.matrix_rank(line, tol=ALIKE * np.abs(line).max()) < 2
+            if askew or beside or spins or (carrier in structural and carrier in ridden):
                 following = [(node, int(way) - 1) for node in riders[name] for way in ways or "123456" if node != carrier]
                 six = {(carrier, way): 1.0 for way in range(6)}
                 self.equations[name] = constraints.following(points, following, six, self.axes)
@@ -274,21 +290,30 @@ class Deck:
             except ValueError as error:
                 self.lose(name, str(error))
 
-    def _settle_equations(self) -> None:
-        """Along the axes of the model, and without rotations of nodes that do not turn."""
-        still, leaning = self.numbers(1, 2, 3) - self.turning, set[int]()
-        for name, sums in list(self.equations.items()):
-            found = list[Sum]()
-            for (factor, node, way), *others in sums:
-                if way > 2 and node in still:
-                    continue
-                terms = sorted(self._along(factor, node, way), key=lambda term: -abs(term[0]))
+    def _settle_equations(self, means: Collection[str], riding: Mapping[Motion, int]) -> None:
+        """Along the axes of the model. Rotations of solids follow what moves, or what they are `riding` on; none in `means`."""
+        still = self.numbers(1, 2, 3) - self.turning - self.carriers.keys()
+        leaning, told = set[int](), list[tuple[str, Sum]]()
+
+        def idle(motion: Motion) -> bool:
+            return motion[1] > 2 and motion[0] in still
+
+        for name, sums in self.equations.items():
+            for first, *others in sums:
+                terms = sorted(self._along(*first), key=lambda term: -abs(term[0]))
                 terms += [one for term in others for one in self._along(*term)]
-                leaning |= {node for _, node, way in terms if way > 2 and node in still}
-                found.append(tuple(term for term in terms if not (term[2] > 2 and term[1] in still)))
-            self.equations[name] = found
-            if not found:
-                del self.equations[name]
+                terms = [(factor, riding.get((node, way), node), way) for factor, node, way in terms]
+                none = {of[1] for of in terms if idle(of[1:])} if name in means else set[int]()
+                if name in means and idle(first[1:]):
+                    continue
+                leaning |= none
+                held = (str(way + 1) in self.held.get(node, ()) or node in none for _, node, way in terms)
+                told.append((name, tuple(of for of, fixed in zip(terms, held, strict=True) if not (fixed and idle(of[1:])))))
+        left = constraints.without((one for _, one in told), idle)
+        self.equations = {}
+        for (name, _), one in zip(told, left, strict=True):
+            self.equations.setdefault(name, []).extend([one] if one else [])
+        self.equations = {name: sums for name, sums in self.equations.items() if sums}
         if leaning:
             nodes = files.joined(sorted(leaning))
             self.lose(f"rotations of nodes {nodes}", f"{len(leaning)} that are of solids, do not turn, and are to move others")
@@ -719,9 +744,8 @@ def _spring(deck: Deck, card: str, f: Sequence[str], laws: Mapping[str, Sequence
     if card == "CBUSH":
         law, ends = laws.get(f"PBUSH {f[1] or f[0]}", []), [int(text) for text in f[2:4] if text.isdigit() and int(text)]
         at = next((k for k in range(1, len(law), 8) if law[k].upper() == "K"), 0)
-        if not at or not set(ends) <= points.keys() or f[9] not in ("", "-1"):
-            why = "no PBUSH with K" if not at else "it lies beside the line between its nodes (OCID)"
-            deck.lose(name, why if set(ends) <= points.keys() else "it stands at a node that is not there")
+        if not at or f[9] not in ("", "-1"):
+            deck.lose(name, "it lies beside the line between its nodes (OCID)" if at else "no PBUSH with K")
             return
         six = np.array([real(text) for text in law[at + 1 : at + 7]])
         line = points[ends[-1]] - points[ends[0]]
@@ -760,9 +784,11 @@ def called(mesh: MeshFile, name: str) -> str:
 
 
 def numbers_of(mesh: MeshFile, named: Iterable[int | str]) -> list[int]:
-    """Numbers of the nodes of groups, and numbers as they are."""
-    return [
-        node
-        for one in named
-        for node in ([one] if isinstance(one, int) else mesh.node_tags[mesh.nodes_of(called(mesh, one))].tolist())
-    ]
+    """Numbers of the nodes of groups, and numbers as they are; NotThere: a group that has no nodes."""
+    found = list[int]()
+    for one in named:
+        own = [one] if isinstance(one, int) else mesh.node_tags[mesh.nodes_of(called(mesh, one))].tolist()
+        if not own:
+            raise NotThere(one)
+        found += own
+    return found

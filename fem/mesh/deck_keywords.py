@@ -243,25 +243,36 @@ def _join(deck: Deck, keyword: str, o: Mapping[str, str], rows: Sequence[Row], s
     own = o.get("CONSTRAINT NAME", o.get("NAME", o.get("SURFACE", "")))
     word = "COUPLING" if keyword in ("KINEMATIC", "DISTRIBUTING") else keyword
     name = f"{word} {own or 1 + sum(each.startswith(word) for each in (*deck.equations, *deck.links, *deck.means))}"
-    lost = len(deck.lost)
-    try:
-        if asked := [f"{key}={o[key]}".rstrip("=") for key in UNREAD if o.get(key, "UNIFORM") != "UNIFORM"]:
-            raise ValueError(f"{', '.join(asked)} is not known here")
-        if keyword == "EQUATION":
-            deck.equate(keyword, keyword, list(_equations(deck, rows)))
-        elif keyword == "MPC":
-            for kind, *ends in rows:
-                _multi_point(deck, name, kind.upper(), [_several(deck, end) for end in ends if end])
-        elif keyword == "TIE":
-            for slave, master, *_ in rows:
-                _tie(deck, name, o, surfaces[slave.upper()], surfaces[master.upper()])
-        else:
-            _couple(deck, keyword, name, o, rows, surfaces)
-    except (KeyError, IndexError, ValueError) as error:
-        del deck.lost[lost:]
-        problem = f"{error} of it is not here" if isinstance(error, KeyError) else str(error)
-        problem = "a row of it cannot be read" if isinstance(error, IndexError) or "literal" in problem else problem
-        deck.lose(f"*{name}", f"{problem}, and {len(rows)} row{'s' * (len(rows) > 1)} of it with that")
+    single = [[row] for row in rows if any(row)]  # one that cannot be read loses no other
+    for some in _apart(rows) if keyword == "EQUATION" else single if keyword in ("MPC", "TIE") else [rows]:
+        lost = len(deck.lost)
+        try:
+            if asked := [f"{key}={o[key]}".rstrip("=") for key in UNREAD if o.get(key, "UNIFORM") != "UNIFORM"]:
+                raise ValueError(f"{', '.join(asked)} is not known here")
+            if keyword == "EQUATION":
+                deck.equate(keyword, keyword, list(_equations(deck, some)))
+            elif keyword == "MPC":
+                _multi_point(deck, name, some[0][0].upper(), [_several(deck, end) for end in some[0][1:] if end])
+            elif keyword == "TIE":
+                _tie(deck, name, o, *(surfaces[one.upper()] for one in some[0][:2]))
+            else:
+                _couple(deck, keyword, name, o, some, surfaces)
+        except (KeyError, IndexError, ValueError) as error:
+            del deck.lost[lost:]
+            problem = f"{error} of it is not here" if isinstance(error, KeyError) else str(error)
+            problem = "a row of it cannot be read" if isinstance(error, IndexError) or "literal" in problem else problem
+            deck.lose(f"*{name}", f"{problem}, and {len(some)} row{'s' * (len(some) > 1)} of it with that")
+
+
+def _apart(rows: Sequence[Row]) -> Iterator[Sequence[Row]]:
+    """Rows of one equation after the other, each of which begins with how many terms it has; all that are left if it does not."""
+    start = 0
+    while start < len(rows):
+        count, stop, words = rows[start][0], start + 1, 0
+        while stop < len(rows) and (not count.isdigit() or words < 3 * int(count)):
+            words, stop = words + sum(map(bool, rows[stop])), stop + 1
+        yield rows[start:stop]
+        start = stop
 
 
 def _several(deck: Deck, who: str) -> list[int]:
@@ -269,20 +280,16 @@ def _several(deck: Deck, who: str) -> list[int]:
 
 
 def _equations(deck: Deck, rows: Sequence[Row]) -> Iterator[Sum]:
-    """Each begins with how many terms it has; sets stand for as many equations as they have nodes."""
-    left = iter(rows)
-    for first in left:
-        words, count = list[str](), int(first[0])
-        while len(words) < 3 * count:
-            if (row := next(left, None)) is None:
-                raise ValueError("an equation ends before its last term")
-            words += [word for word in row if word]
-        nodes = [_several(deck, words[k]) for k in range(0, 3 * count, 3)]
-        ways, factors = ([int(word) - 1 for word in words[1::3]], [real(word) for word in words[2::3]])
-        if not all(0 <= way < 6 for way in ways):
-            raise ValueError("a freedom that is none of motion")
-        for k in range(max(map(len, nodes))):
-            yield tuple((f, own[k if len(own) > 1 else 0], way) for f, own, way in zip(factors, nodes, ways, strict=True))
+    """As many as its sets have nodes."""
+    words, count = [word for row in rows[1:] for word in row if word], int(rows[0][0])
+    if len(words) < 3 * count:
+        raise ValueError("an equation ends before its last term")
+    nodes = [_several(deck, words[k]) for k in range(0, 3 * count, 3)]
+    ways, factors = ([int(word) - 1 for word in words[1::3]], [real(word) for word in words[2::3]])
+    if not all(0 <= way < 6 for way in ways):
+        raise ValueError("a freedom that is none of motion")
+    for k in range(max(map(len, nodes))):
+        yield tuple((f, own[k if len(own) > 1 else 0], way) for f, own, way in zip(factors, nodes, ways, strict=True))
 
 
 def _multi_point(deck: Deck, name: str, kind: str, ends: Sequence[list[int]]) -> None:
@@ -306,7 +313,7 @@ def _couple(
     deck: Deck, keyword: str, name: str, o: Mapping[str, str], rows: Sequence[Row], surfaces: Mapping[str, Surface]
 ) -> None:
     """Nodes of a surface ride on a node, or that follows their mean motion by the areas that they carry."""
-    carrier = _several(deck, o.get("REF NODE", o.get("REFNODE", "")))
+    carrier = _several(deck, ref) if (ref := o.get("REF NODE", o.get("REFNODE", ""))) else []
     if len(carrier) != 1:
         raise ValueError("it has no reference node")
     told, weights = [[word for word in row if word] for row in rows], surfaces[o["SURFACE"].upper()].weights()

@@ -30,6 +30,21 @@ def real(text: str) -> float:
     return float(f"{text[:cut]}E{text[cut:]}" if cut > 0 and "E" not in text else text)
 
 
+class NotThere(LookupError):
+    """A deck names the number of a node, or a set of nodes, and has none."""
+
+    def __init__(self, what: int | str) -> None:
+        super().__init__(what)
+        self.what = what
+
+
+class Points(dict[int, Array]):
+    """Where nodes are, by their numbers; `NotThere` of one that is not."""
+
+    def __missing__(self, node: int) -> Array:
+        raise NotThere(node)
+
+
 LARGEST_FILE = 2 * 2**30
 """Bytes of a mesh file: a million degrees of freedom have a tenth of it."""
 
@@ -53,6 +68,22 @@ def deck_lines(path: Path) -> Iterator[Line]:
     BadInput : an included file that is not there, or that includes itself; see `flat`.
     """
     return flat(_abaqus_lines(path, ())) if path.suffix.lower() == ".inp" else _nastran_lines(path, ())
+
+
+def naming(path: Path, what: int | str, carries: Callable[[str], bool]) -> tuple[Line, str]:
+    """The line of a deck that first names a node or a set in what `carries` by its card or keyword, which comes with it."""
+    card, of_nastran = "", path.suffix.lower() != ".inp"
+    for line in deck_lines(path):
+        text = line.text.upper().partition("$")[0] if of_nastran else line.text.upper()
+        if of_nastran and text[:1].isalpha():
+            card = re.split(r"[\s,*]", text[:8])[0]
+        elif not of_nastran and text.startswith("*"):
+            card, options = keyword_of(text)
+            card = options.get("TYPE", card) if card == "ELEMENT" else card
+        words = re.split(r"[\s,*+]+", text) if of_nastran else [word.strip() for word in re.split("[,=]", text)]
+        if carries(card) and str(what).upper() in words[2 * (text[:1].isalpha() and of_nastran) :]:  # behind card and number
+            return line, card
+    return Line("", path, 0), "it"
 
 
 def _abaqus_lines(path: Path, within: tuple[Path, ...]) -> Iterator[Line]:

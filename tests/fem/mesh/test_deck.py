@@ -502,7 +502,6 @@ def test_the_node_of_a_rigid_link_is_a_place_by_its_number(tmp_path: Path) -> No
         ("MPC,9,1,1,1.,5,1,1.\nMPC,8,1,1,1.,5,1,1.", "MPC sets 9, 8: more than one, and none that is called alone"),
         ("PROD,2,1,5.,7.\nCROD,2,2,1,5", "PROD 2: its stiffness in torsion"),
         ("PTUBE,2,1,9.,1.,,7.\nCTUBE,2,2,1,5", "PTUBE 2: a taper"),
-        ("CONM2,9,77,,5.", "CONM2 9: it stands at a node that is not there"),
         ("CONN2,9,1,,5.", "CONN2 9: a card that is not known here"),
         ("PCOMP,5,,,,,,,MEM\n,1,1.,0.", "PCOMP 5: its layers are to be taken as MEM"),
         ("PCOMP,5\n,7,1.,0.\nCTRIA3,7,5,1,2,5", "part 5: no material 7 that is known here"),
