@@ -13,9 +13,10 @@ import numpy as np
 from fem.gravity import STANDARD
 from fem.mesh import files
 from fem.mesh.constraints import Term
-from fem.mesh.deck_content import Deck, Elastic, numbers_of, read_cards
+from fem.mesh.deck_content import ALL, TRANSLATIONS, Deck, Elastic, numbers_of, read_cards
 from fem.mesh.deck_keywords import read_keywords
 from fem.mesh.deck_text import NotThere, naming
+from fem.mesh.description import SEAM
 from fem.user_model.units import KNOWN, UnitSystem, unit_system
 from geometry import toml_file
 from geometry.dynamic_mass import MOTIONS
@@ -111,6 +112,58 @@ def _believed(deck: Deck, system: UnitSystem, share: float = 1.0) -> bool:
     return heaviest >= HEAVY
 
 
+# Where it is held.
+
+
+def _supports(deck: Deck) -> dict[str, list[int | str]]:
+    """What is held, by the directions, such as "13", in which it is; under "" what is held in all in which it could move."""
+    carriers, found = set(deck.carriers), dict[str, set[int]]()
+    turning = deck.turning | carriers
+    for node in (deck.numbers(1, 2, 3) | carriers | deck.loose) & set(deck.held):
+        able = ALL if node in turning | deck.loose else TRANSLATIONS
+        if held := deck.held[node] & able:
+            whole = held == able and node not in deck.loose
+            found.setdefault("" if whole else "".join(sorted(held)), set()).add(node)
+    return {directions: _named(deck, nodes) for directions, nodes in found.items()}
+
+
+def _clamps(deck: Deck, held: Sequence[int | str]) -> dict[str, list[int | str]]:
+    """Nodes of each foot that is `held` altogether, by the name of a link that holds it, so that it may give.
+
+    A foot are nodes that elements join. None where one is a pin, which does not turn, or where they are more than a seam has.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    loose = numbers_of(deck.mesh, [one for one in held if one not in deck.links])
+    nodes = np.flatnonzero(np.isin(deck.mesh.node_tags, loose))
+    pairs, count = [np.zeros((0, 2), dtype=np.intp)], len(deck.mesh.node_tags)
+    for cells in deck.mesh.cells.values() if len(nodes) else ():
+        element, which = np.nonzero(np.isin(cells.nodes, nodes))
+        pairs.append(np.column_stack([cells.nodes[element, which], count + element]))
+        count += len(cells.nodes)
+    every = np.vstack(pairs)
+    foot = connected_components(coo_array((np.ones(len(every)), every.T), shape=(count, count)), directed=False)[1]
+    feet = [deck.mesh.node_tags[nodes[foot[nodes] == k]].tolist() for k in np.unique(foot[nodes])]
+    turning = deck.turning
+    pins = [own for own in feet if len(own) == 1 and own[0] not in turning]
+    if pins or not 0 < len(feet) <= SEAM:
+        return {}
+    return {f"clamp-{k}" if len(feet) > 1 else "clamp": _named(deck, set(own)) for k, own in enumerate(feet, start=1)}
+
+
+def _named(deck: Deck, nodes: set[int]) -> list[int | str]:
+    """`nodes` by the links that they carry and the groups that they are, else by their numbers."""
+    names: list[int | str] = [name for node, name in deck.carriers.items() if node in nodes]
+    left = nodes - set(deck.carriers)
+    for name in sorted(deck.mesh.node_groups, key=lambda name: -len(deck.mesh.node_groups[name])):
+        own = set(deck.mesh.node_tags[deck.mesh.node_groups[name]].tolist())
+        if own and own <= nodes and own & left:
+            names.append(name)
+            left -= own
+    return [*names, *sorted(left)]
+
+
 # The text: SI with units, names and numbers of the deck.
 
 
@@ -133,9 +186,9 @@ def _material(of: Elastic, added: float, density: float, pressure: float) -> str
 
 
 def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
-    holds = deck.supports()
+    holds = _supports(deck)
     held = holds.pop("", [])
-    clamps = deck.clamps(held)
+    clamps = _clamps(deck, held)
     interface = [*clamps, *(one for one in held if not clamps or one in deck.links)]
     grounded = bool(holds) or any(len(one.ends) == 1 for one in deck.springs.values())
     pressure, density = system.mass / (system.length * system.time**2), deck.weight * system.mass / system.length**3

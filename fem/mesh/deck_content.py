@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,7 +13,6 @@ from fem.beam.elements import SIZES, plated
 from fem.mesh import constraints, files
 from fem.mesh.constraints import Motion, Sum, Term
 from fem.mesh.deck_text import BASIC, Coordinates, NotThere, Points, System, deck_lines, real
-from fem.mesh.description import SEAM
 from fem.mesh.files import MeshFile, cards, own_property
 from geometry.frames import Array
 
@@ -24,6 +23,13 @@ ISOTROPIC = 0.05
 """Relative difference of a shear modulus from what E and NU make of it, above which bars twist otherwise; handbooks round."""
 
 TRANSLATIONS, TURNS, ALL = frozenset("123"), frozenset("456"), frozenset("123456")
+
+OF_FOUR: Mapping[str, tuple[str, Callable[..., list[float]]]] = {
+    "I1": ("I", lambda a, b, c, d: [d, a + b, a + b, b, (d - c) / 2, (d - c) / 2]),
+    "CHAN1": ("CHAN", lambda a, b, c, d: [a + b, d, b, (d - c) / 2]),
+    "T2": ("T", lambda a, b, c, d: [a, b, c, d]),
+}
+"""Sections of Nastran that are others by other sizes, or upside down."""
 
 HELD_AS = {"ENCASTRE": "123456", "PINNED": "123", "XSYMM": "156", "YSYMM": "246", "ZSYMM": "345"}
 """What Abaqus calls freedoms that are held together."""
@@ -397,13 +403,22 @@ class Deck:
         head = text.upper().partition("BEGIN BULK")[0]
         called = re.findall(rf"^\s*{word}\s*=\s*(\w+)", head, re.MULTILINE)
         chosen = [one for one in dict.fromkeys(called) if one in sets] or list(sets)
-        if word == "MPC" and sets and not called and re.search(r"^\s*CEND", head, re.MULTILINE):
-            self.lose(f"MPC sets {', '.join(sets)}", "the case control calls none, and Nastran leaves them out")
+        if sets and not called and re.search(r"^\s*CEND", head, re.MULTILINE):
+            self.lose(f"{word} sets {', '.join(sets)}", "the case control calls none, and Nastran leaves them out")
             return []
         if len(chosen) > 1:
             self.lose(f"{word} sets {', '.join(chosen)}", "more than one, and none that is called alone")
             return []
         return [row for one in chosen for row in sets[one]]
+
+    def turn_mass(self, name: str, node: int, moments: Array) -> None:
+        """Give a mass at `node` its `moments` (3, 3)."""
+        at = [one for one, (where, _) in self.masses.items() if where == node]
+        if not at:
+            self.lose(name, "no mass is at its node")
+            return
+        self.masses[at[0]] = node, replace(self.masses[at[0]][1], moments=moments)
+        self.carried["ROTARY INERTIA"] = None
 
     def turn_spring(self, name: str) -> None:
         """A spring acts along the axes of its nodes; it is lost where these differ."""
@@ -464,8 +479,11 @@ class Deck:
             shear = K2, K1
             section = {"area": A, "Iy": I1, "Iz": I2, "J": J} | ({"Iyz": -I12} if I12 else {}) if I1 or I2 or J else {"area": A}
         else:
-            d = [real(text) for text in f[8:12]]
             kind = f[3].upper()
+            size = SIZES.get(kind, 4)
+            d = [real(text) for text in f[8 : 8 + size]]
+            if kind in OF_FOUR:
+                kind, d = OF_FOUR[kind][0], OF_FOUR[kind][1](*d)
             if kind == "BAR":
                 section = {"width": d[0], "height": d[1]}
             elif kind == "ROD":
@@ -473,15 +491,22 @@ class Deck:
             elif kind in ("TUBE", "TUBE2"):
                 section = {"outer_diameter": 2 * d[0], "inner_diameter": 2 * (d[1] if kind == "TUBE" else d[0] - d[1])}
             elif kind in ("BOX", "I", "T", "L", "CHAN", "HAT"):
-                section, (up, right) = plated(kind, [real(text) for text in f[8 : 8 + SIZES[kind]]])
-                neutral_axis = (-right, up) if card == "PBEAML" else ()
+                section, (up, right) = plated(kind, d)
+                neutral_axis = (-right, -up if f[3].upper() == "T2" else up) if card == "PBEAML" else ()
                 if card == "PBEAML" and kind == "HAT":
                     self.lose(name, "where a hat has its shear centre, about which it twists")
             else:
                 self.lose(name, f"a section of kind {kind}")
-            added = real(f[8 + SIZES.get(kind, 0)]) if section else 0.0
-            if card == "PBEAML" and f[9 + SIZES.get(kind, 0)]:
-                self.lose(name, "a taper; it is as at its first end")
+            added = real(f[8 + size]) if section else 0.0
+            rest = f[9 + size :]  # of stations whether there is output, where they are, sizes and a mass
+            while card == "PBEAML" and rest[0]:
+                if any(
+                    real(text) != one for text, one in zip(rest[2:], [*map(real, f[8 : 8 + size]), added], strict=False) if text
+                ):
+                    self.lose(name, "a taper; it is as at its first end")
+                rest = rest[3 + size :]
+        if len(section) > 1 and section.get("J") == 0:
+            self.lose(name, "it has no stiffness in torsion (J), and twists freely")
         shear = tuple(one or np.inf for one in shear) if any(shear) and len(section) > 1 else ()
         off = neutral_axis if any(neutral_axis) else ()
         self.properties[f[0]] = Property(material=f[1], section=section, added=added, neutral_axis=off, shear=shear)
@@ -516,6 +541,12 @@ class Deck:
             section = {"outer_diameter": 2 * sizes[0], "inner_diameter": 2 * (sizes[0] - sizes[1])}
         elif o.get("SECTION") == "BOX" and len(sizes) == 6 and sizes[2] == sizes[4] and sizes[3] == sizes[5]:
             section = plated("BOX", (sizes[1], sizes[0], *sizes[2:4]))[0]
+        elif o.get("SECTION") == "GENERAL":
+            A, I1, I12, I2, J = (*sizes, *5 * [0.0])[:5]
+            section = {"area": A, "Iy": I2, "Iz": I1, "J": J} | ({"Iyz": -I12} if I12 else {})
+        elif o.get("SECTION") == "I" and 2 * sizes[0] == sizes[1] and sizes[2] == sizes[3] and sizes[4] == sizes[5]:
+            own = plated("I", (*sizes[1:4], sizes[6], *sizes[4:6]))[0]  # which is as high as its second axis goes
+            section = own | {"Iy": own["Iz"], "Iz": own["Iy"]}
         else:
             self.lose(name, f"a section of kind {o.get('SECTION', 'none')}")
         self.properties[group] = Property(material=o["MATERIAL"], section=section, z_axis=z_axis)
@@ -543,52 +574,6 @@ class Deck:
                 found |= set(self.mesh.node_tags[np.unique(self.mesh.cells[kind].nodes[bends])].tolist())
         return found
 
-    def supports(self) -> dict[str, list[int | str]]:
-        """What is held, by the directions, such as "13", in which it is; under "" what is held in all in which it could move."""
-        carriers, found = set(self.carriers), dict[str, set[int]]()
-        turning = self.turning | carriers
-        for node in (self.numbers(1, 2, 3) | carriers | self.loose) & set(self.held):
-            able = ALL if node in turning | self.loose else TRANSLATIONS
-            if held := self.held[node] & able:
-                whole = held == able and node not in self.loose
-                found.setdefault("" if whole else "".join(sorted(held)), set()).add(node)
-        return {directions: self._named(nodes) for directions, nodes in found.items()}
-
-    def clamps(self, held: Sequence[int | str]) -> dict[str, list[int | str]]:
-        """Nodes of each foot that is `held` altogether, by the name of a link that holds it, so that it may give.
-
-        A foot are nodes that elements join. None where one is a pin, which does not turn, or where they are more than a seam has.
-        """
-        from scipy.sparse import coo_array
-        from scipy.sparse.csgraph import connected_components
-
-        loose = numbers_of(self.mesh, [one for one in held if one not in self.links])
-        nodes = np.flatnonzero(np.isin(self.mesh.node_tags, loose))
-        pairs, count = [np.zeros((0, 2), dtype=np.intp)], len(self.mesh.node_tags)
-        for cells in self.mesh.cells.values() if len(nodes) else ():
-            element, which = np.nonzero(np.isin(cells.nodes, nodes))
-            pairs.append(np.column_stack([cells.nodes[element, which], count + element]))
-            count += len(cells.nodes)
-        every = np.vstack(pairs)
-        foot = connected_components(coo_array((np.ones(len(every)), every.T), shape=(count, count)), directed=False)[1]
-        feet = [self.mesh.node_tags[nodes[foot[nodes] == k]].tolist() for k in np.unique(foot[nodes])]
-        turning = self.turning
-        pins = [own for own in feet if len(own) == 1 and own[0] not in turning]
-        if pins or not 0 < len(feet) <= SEAM:
-            return {}
-        return {f"clamp-{k}" if len(feet) > 1 else "clamp": self._named(set(own)) for k, own in enumerate(feet, start=1)}
-
-    def _named(self, nodes: set[int]) -> list[int | str]:
-        """`nodes` by the links that they carry and the groups that they are, else by their numbers."""
-        names: list[int | str] = [name for node, name in self.carriers.items() if node in nodes]
-        left = nodes - set(self.carriers)
-        for name in sorted(self.mesh.node_groups, key=lambda name: -len(self.mesh.node_groups[name])):
-            own = set(self.mesh.node_tags[self.mesh.node_groups[name]].tolist())
-            if own and own <= nodes and own & left:
-                names.append(name)
-                left -= own
-        return [*names, *sorted(left)]
-
 
 # Nastran: bulk data. Cards of one property have its number; fields behind the card's name are numbered from 0.
 
@@ -600,16 +585,26 @@ _IDLE = re.compile(
 """Cards that neither weigh nor hold nor join in a linear structure, or are read with the mesh."""
 
 
+ONE_OF_A_NUMBER = re.compile(
+    r"MAT\d+|PSOLID|PSHELL|P(BAR|BEAM)L?|PROD|PTUBE|PCOMPG?|PBUSH|PELAS|CONM2|RBE\d|RBAR1?|CELAS\d|CBUSH"
+)
+"""Cards of which a solver takes one of each number."""
+
+
 def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
     deck, fixed = Deck(mesh=mesh), dict[str, list[Row]]()
     whole = "\n".join(line.text for line in deck_lines(path))
     deck.axes = {node: axes for node in deck.points if (axes := where.freedoms(node)) is not None}
     springs, laws, bars = list[list[str]](), dict[str, list[str]](), list[tuple[str, list[str]]]()
     shells, together, thick = dict[str, list[str]](), dict[str, list[str]](), dict[str, None]()
-    several = dict[str, list[Row]]()
+    several, seen = dict[str, list[Row]](), set[str]()
     for card, *own in cards(path):
         f = [*own, *(40 * [""])]
         name = f"{card} {f[0]}"
+        if ONE_OF_A_NUMBER.fullmatch(card):
+            if name in seen:
+                raise ValueError(f"two {card} have the number {f[0]}")
+            seen.add(name)
         if card == "MAT1":
             E, G, nu = (real(f[k]) for k in (1, 2, 3))
             nu = nu if f[3] or not G else E / (2 * G) - 1
@@ -648,7 +643,10 @@ def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
             elif node in deck.points:
                 turned = where.system(number).directions(deck.points[node])
                 inertia, aside = turned.T @ inertia @ turned, aside @ turned
-            deck.masses[name] = node, Rider(mass=real(f[3]), cog=aside, moments=inertia)
+            if (mass := real(f[3])) > 0:
+                deck.masses[name] = node, Rider(mass=mass, cog=aside, moments=inertia)
+            elif mass or inertia.any():
+                deck.lose(name, "its mass is not above zero")
             deck.carried[card] = None
         elif card == "RBE2":
             deck.ride(card, name, int(f[1]), f[2], _listed([text for text in f[3:] if "." not in text], name, deck))  # no ALPHA

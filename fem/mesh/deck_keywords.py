@@ -11,7 +11,7 @@ import numpy as np
 from fem.mesh import files
 from fem.mesh.constraints import FACES, Sum, areas, following, tied
 from fem.mesh.deck_content import TRANSLATIONS, Deck, DeckSpring, Elastic, Mean, Property, Rider, Row, called, numbers_of
-from fem.mesh.deck_text import System, deck_lines, keyword_of, real
+from fem.mesh.deck_text import NotThere, System, deck_lines, keyword_of, real
 from fem.mesh.files import MeshFile
 from geometry.frames import Integers
 
@@ -26,7 +26,7 @@ def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]
         text = line.text.strip()
         if not text.startswith("*"):
             meshed = keyword == "ELEMENT" and options.get("TYPE", "").upper() not in files.LOOSE
-            heavy = meshed or keyword in ("NODE", "NSET", "ELSET")
+            heavy = meshed or keyword in ("NODE", "NSET")
             rows += [] if heavy else [[one.strip() for one in text.split(",")]]
             continue
         if keyword:
@@ -41,7 +41,9 @@ def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]
 def read_keywords(path: Path, mesh: MeshFile) -> Deck:
     deck, material, open_step = Deck(mesh=mesh), "", False
     elastic, dense, losses = dict[str, list[str]](), dict[str, float](), dict[str, float]()
-    loose, fibres, oriented = dict[str, list[tuple[str, list[int]]]](), dict[str, list[float]](), dict[str, str]()
+    # Of no mesh: kind and nodes of elements by their numbers, and those by their sets
+    loose, sets, inertias = dict[int, tuple[str, list[int]]](), dict[str, list[int]](), list[tuple[str, int, Row]]()
+    fibres, oriented = dict[str, list[float]](), dict[str, str]()
     coupling, surfaces = dict[str, str](), dict[str, Surface]()
     joining = list[tuple[str, dict[str, str], list[list[str]]]]()
     # Carriers of rigid bodies by the nodes whose displacements are their rotations; and orientations
@@ -66,6 +68,8 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
             dense[material] = real(first[0])
         elif keyword == "DAMPING" and "STRUCTURAL" in o:
             losses[material] = real(o["STRUCTURAL"])
+        elif keyword.endswith("SECTION") and group in deck.properties:
+            deck.lose(name, "a second section of the same elements")
         elif keyword == "SOLID SECTION":
             lines = any(kind in files.BEAMS for kind in mesh.groups.get(group, {}))  # a truss, and its area
             deck.properties[group] = Property(material=o["MATERIAL"], section={"area": real(first[0]) or 1.0} if lines else {})
@@ -98,14 +102,35 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
                 deck.lose(name, "axes that are not of one rectangular system, turned about its third")
         elif keyword == "BEAM SECTION":
             deck.beam_section(name, group, o, rows)
+        elif keyword == "BEAM GENERAL SECTION":
+            if "MATERIAL" not in o:  # it states its own
+                E, G = (real(text) for text in [*rows[2], ""][:2])
+                nu, rho = E / (2 * G) - 1 if G else 0.0, real(o.get("DENSITY", ""))
+                deck.materials[f"of {group}"] = Elastic(modulus=E, poisson_ratio=nu, density=rho)
+            deck.beam_section(name, group, {"MATERIAL": f"of {group}", "SECTION": "GENERAL", **o}, rows)
         elif keyword == "ELEMENT" and o.get("TYPE") in files.LOOSE:
-            loose.setdefault(o.get("ELSET", ""), []).extend((o["TYPE"], [int(text) for text in row if text]) for row in rows)
-        elif keyword == "MASS":
-            for _, (tag, node) in loose.get(o["ELSET"], []):
-                deck.masses[f"{keyword} {options['ELSET']} {tag}"] = node, Rider(mass=real(first[0]))
-            deck.carried[keyword] = None
-        elif keyword == "SPRING":
-            _abaqus_spring(deck, name, loose.get(o["ELSET"], []), rows, "ORIENTATION" in o)
+            loose |= {int(tag): (o["TYPE"], [int(text) for text in ends if text]) for tag, *ends in rows}
+            sets.setdefault(o.get("ELSET", ""), []).extend(int(tag) for tag, *_ in rows)
+        elif keyword == "ELSET":
+            spans = [[*map(int, filter(None, row)), 1][:3] for row in rows if "GENERATE" in o]
+            words = [word.upper() for row in rows if "GENERATE" not in o for word in row if word]
+            own = {tag for word in words for tag in ([int(word)] if word.isdigit() else sets.get(word, []))}
+            some = [tag for tag in loose if tag in own or any(tag in range(a, b + 1, step) for a, b, step in spans)]
+            sets.setdefault(o["ELSET"], []).extend(some)
+        elif keyword in ("MASS", "ROTARY INERTIA", "SPRING"):
+            tags = dict.fromkeys(sets.get(o["ELSET"], ()))
+            bare = [(tag, *loose[tag]) for tag in tags if files.LOOSE[loose[tag][0]] == keyword]
+            if not bare:
+                raise NotThere(options["ELSET"])
+            if keyword == "SPRING":
+                _abaqus_spring(deck, name, bare, rows, "ORIENTATION" in o)
+            elif keyword == "MASS":
+                deck.masses |= {f"MASS {options['ELSET']} {tag}": (node, Rider(mass=real(first[0]))) for tag, _, (node,) in bare}
+                deck.carried[keyword] = None
+            elif any(map(real, first[3:])) or "ORIENTATION" in o:
+                deck.lose(name, "it has products, or axes of its own")
+            else:
+                inertias += [(name, node, first) for *_, (node,) in bare]
         elif keyword == "RIGID BODY":
             riders = called(mesh, options.get("NSET", options.get("ELSET", options.get("TIE NSET", ""))))
             carrier = o.get("REF NODE", o.get("REFNODE", ""))
@@ -139,6 +164,8 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
             deck.lose(name, "a keyword that is not known here")
     for keyword, options, rows in joining:
         _join(deck, keyword, options, rows, surfaces)
+    for name, node, row in inertias:
+        deck.turn_mass(name, node, np.diag([real(text) for text in row[:3]]))
     for node, ref in turning.items():
         deck.held.setdefault(ref, set()).update("456"[int(letter) - 1] for letter in deck.held.pop(node, set()) & TRANSLATIONS)
     for name in [name for name, one in deck.springs.items() if one.axes is None]:
@@ -159,9 +186,11 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
     return deck
 
 
-def _abaqus_spring(deck: Deck, name: str, elements: Sequence[tuple[str, list[int]]], rows: Sequence[Row], turned: bool) -> None:
+def _abaqus_spring(
+    deck: Deck, name: str, springs: Sequence[tuple[int, str, list[int]]], rows: Sequence[Row], turned: bool
+) -> None:
     """Grounded in one freedom, between two nodes in the same one, or from one to the other."""
-    for kind, (tag, *ends) in elements:
+    for tag, kind, ends in springs:
         own, axes = f"{name.lstrip('*')} {tag}", None
         if kind == "SPRINGA":
             line = deck.points[ends[1]] - deck.points[ends[0]]

@@ -23,11 +23,12 @@ class Line(NamedTuple):
 
 def real(text: str) -> float:
     """``1.5-3`` is 1.5e-3 in Nastran; nothing is zero."""
-    text = text.strip().upper().replace("D", "E")
+    text = text.strip().upper()
     if not text:
         return 0.0
-    cut = max(text.rfind("+"), text.rfind("-"))
-    return float(f"{text[:cut]}E{text[cut:]}" if cut > 0 and "E" not in text else text)
+    if not (found := re.fullmatch(r"([-+]?[\d.]+|[-+]?(?:NAN|INF\w*))[ED]?([-+]?\d+)?", text)):
+        raise ValueError(f"{text} stands where a number should")
+    return float(f"{found[1]}E{found[2] or 0}" if found[1][-1:] in ".0123456789" else found[1])
 
 
 class NotThere(LookupError):
@@ -346,12 +347,11 @@ def _assembled(assembly: list[_Block], parts: Mapping[str, list[_Block]], places
             yield from placed([block], instance, instance.named, instance.named)
         else:  # a set of the assembly keeps its name; numbers are those of the instance that it names, or of the assembly
             of = places.get(block.options.get("INSTANCE", "").upper(), _Place(name="", offset=0, alone=True))
+            inner = of.named if "INSTANCE" in block.options else of.number  # whose sets it names
             of = replace(of, alone=True, turn=np.eye(3), shift=np.zeros(3))
             rows = [row._replace(text=_referring(row.text, places)) for row in block.rows]
             other = block if block.keyword in (*COUNTED, *NAMING) else replace(block, rows=rows)
-            yield from placed(
-                [other], of, partial(_referring, places=places), partial(_meant, places=places, otherwise=of.number)
-            )
+            yield from placed([other], of, partial(_referring, places=places), partial(_meant, places=places, otherwise=inner))
 
 
 # Coordinate systems of Nastran: where grid points stand, and which way their freedoms point.

@@ -233,7 +233,8 @@ _ABAQUS_CARRIES = (
     *("MASS", "ROTARY INERTIA", "NONSTRUCTURAL MASS", "SPRING", "DASHPOT", "NODAL THICKNESS"),
     *("TIE", "MPC", "EQUATION", "RIGID BODY", "KINEMATIC COUPLING", "DISTRIBUTING COUPLING", "COUPLING"),
     *("CONTACT PAIR", "FASTENER", "SHELL TO SOLID COUPLING", "EMBEDDED ELEMENT", "CYCLIC SYMMETRY MODEL"),
-    *("PRE-TENSION SECTION", "DISTRIBUTING"),
+    *("PRE-TENSION SECTION", "DISTRIBUTING", "RELEASE", "FOUNDATION", "BEAM ADDED INERTIA", "MODEL CHANGE", "IMPERFECTION"),
+    *("CONTACT", "CONTACT INCLUSIONS", "CONNECTOR SECTION", "GAP", "JOINT", "MATRIX ASSEMBLE", "REBAR"),
 )
 """Keywords that weigh, hold or join, and are not read."""
 LOOSE = {
@@ -554,13 +555,15 @@ def _cards(path: Path) -> Iterator[list[str]]:
         if not text or not begun:
             continue
         first = text.split(",")[0][:8].strip()
+        large = "*" in first[:1] + first[-1:]
         if "," in text:
-            fields = [field.strip() for field in text.split(",")]
-            fields = [fields[0], *(fields[1:9] + 8 * [""])[:8]]
-        elif first.endswith("*"):
-            fields = [first, *(text[n : n + 16].strip() for n in range(8, 72, 16))]
+            fields, width = [field.strip() for field in text.split(",")], 5 if large else 9
+            if any(fields[width + 1 :]) or re.match(r"[-.\d]", fields[width] if fields[width:] else ""):
+                raise refused(f"line {line.number} has more fields than the {width - 1} of a line")
+            fields = [*fields, *8 * [""]][:width]
         else:
-            fields = [first, *(text[n : n + 8].strip() for n in range(8, 72, 8))]
+            width = 16 if large else 8
+            fields = [first, *(text[n : n + width].strip() for n in range(8, 72, width))]
         follows = fields[0][:1] in ("", "+") or (fields[0].startswith("*") and bool(card))
         if mark and not (follows and fields[0][1:] in ("", mark)):
             raise refused(f"line {line.number} is {first!r}, where the one before is continued by +{mark}")

@@ -201,7 +201,7 @@ def test_the_node_of_a_mean_may_be_held(tmp_path: Path) -> None:
 def test_equations_hold_as_they_are_written(tmp_path: Path) -> None:
     """MPC, chained, in two sets that another adds up, and beside one that the case control does not call."""
     cards = "MPC,7,11,1,1.,3,1,-1.\nMPC,7,11,2,2.,3,2,-1.,,\n,,2,2,-1.\nMPC,8,3,3,1.,12,3,-.5,,\n,,11,3,-.25\nMPCADD,9,7,8\n"
-    case, more = "SOL 103\nCEND\nMPC = 9\nBEGIN BULK\n", "MPC,1,2,3,1.,12,3,1.\nMPC,8,11,4,1.,3,5,2.,,\n,,2,3,.01\n"
+    case, more = "SOL 103\nCEND\nSPC = 1\nMPC = 9\nBEGIN BULK\n", "MPC,1,2,3,1.,12,3,1.\nMPC,8,11,4,1.,3,5,2.,,\n,,2,3,.01\n"
     rows: list[Constraint] = [
         {(11, 1): 1.0, (3, 1): -1.0},
         {(11, 2): 2.0, (3, 2): -1.0, (2, 2): -1.0},
