@@ -26,6 +26,9 @@ ELASTIC, DENSE, SOUND = (1e6, 1.3e12), (5.0, 22_600.0), (30.0, 14_000.0)
 """Young's modulus [Pa], density [kg/m³] and speed of sound [m/s] between which materials lie, from soft rubber and foam to
 diamond and osmium: units in which a deck's materials are outside are not its own. Held by tests/fem/mesh/test_deck.py."""
 
+METALLIC = (3000.0, 12e9)
+"""Density [kg/m³] above which a material is metal or ceramic, and the modulus [Pa] of the softest, lead. Held there, too."""
+
 CORE = 0.02
 """[1] Modulus of layers, as a share of the stiffest material's, below which they are a core. By definition."""
 
@@ -105,6 +108,8 @@ def _believed(deck: Deck, system: UnitSystem, share: float = 1.0) -> bool:
         E = one.modulus * system.mass / (system.length * system.time**2)
         rho = share * one.density * deck.weight * system.mass / system.length**3
         if not ELASTIC[0] <= E <= ELASTIC[1]:
+            return False
+        if rho > METALLIC[0] and METALLIC[1] > E:
             return False
         if rho and not (DENSE[0] <= rho <= DENSE[1] and SOUND[0] <= np.sqrt(E / rho) <= SOUND[1]):
             return False
