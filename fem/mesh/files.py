@@ -634,12 +634,12 @@ def _universal(path: Path) -> _Raw:
                 askew |= {head.split()[0]} if head.split()[1] != "0" or np.any(axes != np.eye(4, 3)) else set()
         elif number == 2411:
             for head, place in zip(lines[::2], lines[1::2], strict=False):
-                tag, system, *_ = head.split()
+                node, system, *_ = head.split()
                 if system in askew:
-                    problem = f"node {tag} is in the system {system}, which dataset 2420 turns, moves or makes round"
+                    problem = f"node {node} is in the system {system}, which dataset 2420 turns, moves or makes round"
                     raise BadInput(source=str(path), field="2411", problem=problem, remedy="Write nodes in global axes")
                 x, y, z = map(real, place.split())
-                _once(nodes, int(tag), (x, y, z), str(path))
+                _once(nodes, int(node), (x, y, z), str(path))
         elif number == 2412:
             rest = iter(lines)
             for head in rest:
