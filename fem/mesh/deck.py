@@ -39,10 +39,6 @@ HEAVY = 300.0
 """[kg/m³] that the heaviest material of a structure exceeds, as light wood does: nothing is of foam alone. Held there, too."""
 
 
-HOLDING = ("SPC", "SPC1", "BOUNDARY")
-"""Cards and keywords that hold nodes."""
-
-
 def described(path: Path, units: str | None = None) -> tuple[str, tuple[str, ...]]:
     """The deck in `path` as the TOML text of a description that lies beside it, and what of it is not carried over.
 
@@ -68,7 +64,9 @@ def read(path: Path) -> Deck:
         deck = read_keywords(path, mesh) if mesh.coordinates is None else read_cards(path, mesh, mesh.coordinates)
         deck.settle()
     except NotThere as error:
-        line, card = naming(path, error.what, lambda card: files.carries(card) or card in (*files.LOOSE, *HOLDING))
+        line, card = naming(
+            path, error.what, lambda card: files.carries(card) or card in (*files.LOOSE, "SPC", "SPC1", "BOUNDARY")
+        )
         problem = f"{card} names {'node' if isinstance(error.what, int) else 'the set'} {error.what}, which is not there"
         remedy = "Correct it, or take it out: a solver stops there, too"
         raise BadInput(source=str(line.file), field=f"line {line.number}", problem=problem, remedy=remedy) from None

@@ -220,8 +220,7 @@ class Deck:
         named += [node for sums in self.equations.values() for one in sums for _, node, _ in one]
         named += [node for node, letters in self.held.items() if letters & ALL]  # a scalar point has none of those
         for node in named:
-            if node not in there:
-                raise NotThere(node)
+            _ = self.points[node]
         for name in [name for name, (_, own) in self.links.items() if not own]:
             del self.links[name]
             self.lose(name, "it carries no node")
@@ -400,7 +399,7 @@ class Deck:
 
     def chosen(self, word: str, text: str, sets: Mapping[str, list[Row]]) -> list[Row]:
         """Rows of the set of constraints, SPC or MPC by `word`, that the case control calls; the only one where it calls none."""
-        head = text.upper().partition("BEGIN BULK")[0]
+        head = text.partition("BEGIN BULK")[0]
         called = re.findall(rf"^\s*{word}\s*=\s*(\w+)", head, re.MULTILINE)
         chosen = [one for one in dict.fromkeys(called) if one in sets] or list(sets)
         if sets and not called and re.search(r"^\s*CEND", head, re.MULTILINE):
@@ -410,15 +409,6 @@ class Deck:
             self.lose(f"{word} sets {', '.join(chosen)}", "more than one, and none that is called alone")
             return []
         return [row for one in chosen for row in sets[one]]
-
-    def turn_mass(self, name: str, node: int, moments: Array) -> None:
-        """Give a mass at `node` its `moments` (3, 3)."""
-        at = [one for one, (where, _) in self.masses.items() if where == node]
-        if not at:
-            self.lose(name, "no mass is at its node")
-            return
-        self.masses[at[0]] = node, replace(self.masses[at[0]][1], moments=moments)
-        self.carried["ROTARY INERTIA"] = None
 
     def turn_spring(self, name: str) -> None:
         """A spring acts along the axes of its nodes; it is lost where these differ."""
@@ -594,7 +584,9 @@ ONE_OF_A_NUMBER = re.compile(
 
 def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
     deck, fixed = Deck(mesh=mesh), dict[str, list[Row]]()
-    whole = "\n".join(line.text for line in deck_lines(path))
+    whole = "\n".join(line.text.upper() for line in deck_lines(path))
+    stated = dict(re.findall(r"^\s*PARAM\*?[\s,]+(WTMASS|G)[\s,]+([^\s,$]+)", whole, re.MULTILINE))  # also before bulk data
+    deck.weight, deck.loss_factor = real(stated.get("WTMASS", "1.")), real(stated.get("G", ""))
     deck.axes = {node: axes for node in deck.points if (axes := where.freedoms(node)) is not None}
     springs, laws, bars = list[list[str]](), dict[str, list[str]](), list[tuple[str, list[str]]]()
     shells, together, thick = dict[str, list[str]](), dict[str, list[str]](), dict[str, None]()
@@ -613,10 +605,6 @@ def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
             if E and G and abs(2 * G * (1 + nu) / E - 1) > ISOTROPIC:
                 deck.lose(name, f"its G of {G:g}, which E and NU make {E / (2 + 2 * nu):.4g}; that is taken")
             deck.materials[f[0]] = Elastic(modulus=modulus, poisson_ratio=nu, density=real(f[4]), loss_factor=real(f[7]))
-        elif card == "PARAM" and f[0].upper() == "WTMASS":
-            deck.weight = real(f[1])
-        elif card == "PARAM" and f[0].upper() == "G":
-            deck.loss_factor = real(f[1])
         elif card == "PSOLID":
             deck.properties[f[0]] = Property(material=f[1])
         elif card == "PSHELL":
@@ -640,8 +628,8 @@ def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
             xx, yx, yy, zx, zy, zz = (real(f[k]) for k in range(8, 14))
             inertia, aside = np.array([[xx, -yx, -zx], [-yx, yy, -zy], [-zx, -zy, zz]]), np.array([real(text) for text in f[4:7]])
             if number == "-1":  # where its centre of gravity is, in basic coordinates
-                aside = aside - deck.points.get(node, aside)
-            elif node in deck.points:
+                aside = aside - deck.points[node]
+            else:
                 turned = where.system(number).directions(deck.points[node])
                 inertia, aside = turned.T @ inertia @ turned, aside @ turned
             if (mass := real(f[3])) > 0:
@@ -700,7 +688,7 @@ def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
     turning = deck.turning if bars else set[int]()
     for card, f in bars:
         deck.bar(card, f, turning)
-    if not re.search(r"^\s*ENDDATA", whole, re.IGNORECASE | re.MULTILINE):
+    if not re.search(r"^\s*ENDDATA", whole, re.MULTILINE):
         deck.lose("the end", "there is no ENDDATA, and the deck may be cut short")
     for word, sets in (("SPC", fixed), ("MPC", several)):
         added = {key.split()[1]: numbers for key, numbers in together.items() if key.startswith(word)}

@@ -165,7 +165,11 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
     for keyword, options, rows in joining:
         _join(deck, keyword, options, rows, surfaces)
     for name, node, row in inertias:
-        deck.turn_mass(name, node, np.diag([real(text) for text in row[:3]]))
+        if at := [one for one, (where, _) in deck.masses.items() if where == node]:
+            deck.masses[at[0]] = node, replace(deck.masses[at[0]][1], moments=np.diag([real(text) for text in row[:3]]))
+            deck.carried["ROTARY INERTIA"] = None
+        else:
+            deck.lose(name, "no mass is at its node")
     for node, ref in turning.items():
         deck.held.setdefault(ref, set()).update("456"[int(letter) - 1] for letter in deck.held.pop(node, set()) & TRANSLATIONS)
     for name in [name for name, one in deck.springs.items() if one.axes is None]:

@@ -132,8 +132,9 @@ def test_weights_for_masses_are_told_with_what_makes_masses_of_them(units: str |
     (tmp_path / "deck.bdf").write_text(INCHES.format(rho=".05", more="PARAM,WTMASS,2.\n"))
     with pytest.raises(BadInput, match=words.replace(",0.00259", ",0.00518")):
         deck.described(tmp_path / "deck.bdf", units)
-    (tmp_path / "deck.bdf").write_text(INCHES.format(rho=".1", more="PARAM,WTMASS,.00259\n"))
-    assert 'density = "2767' in deck.described(tmp_path / "deck.bdf", units)[0]
+    for case, bulk in (("", "PARAM,WTMASS,.00259\n"), ("SOL 103\nCEND\nSPC=1\nparam,wtmass,.00259\nBEGIN BULK\n", "")):
+        (tmp_path / "deck.bdf").write_text(case + INCHES.format(rho=".1", more=bulk))
+        assert 'density = "2767' in deck.described(tmp_path / "deck.bdf", units)[0]
 
 
 def test_a_structure_without_any_mass_is_refused_with_units_named_too(tmp_path: Path) -> None:
