@@ -66,8 +66,10 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
                 deck.lose(f"*ELASTIC of {material}", "it changes with temperature; the first row is taken")
         elif keyword == "DENSITY":
             dense[material] = real(first[0])
-        elif keyword == "DAMPING" and "STRUCTURAL" in o:
-            losses[material] = real(o["STRUCTURAL"])
+        elif keyword == "DAMPING":
+            losses[material] = real(o.get("STRUCTURAL", ""))
+            if o.keys() - {"STRUCTURAL"}:
+                deck.lose(f"*DAMPING of {material}", "what is not STRUCTURAL; state a loss_factor")
         elif keyword.endswith("SECTION") and group in deck.properties:
             deck.lose(name, "a second section of the same elements")
         elif keyword == "SOLID SECTION":

@@ -90,6 +90,7 @@ def test_tabs_stand_for_blanks_up_to_the_next_field(tmp_path: Path) -> None:
     ("was", "now", "words"),
     [
         ("SECTION=RECT", "SECTION=RECT, OFFSET1=0.5", "*BEAM SECTION e: how far it is off its nodes (OFFSET1, OFFSET2)"),
+        ("*DENSITY", "*DAMPING, ALPHA=3.\n*DENSITY", "*DAMPING of STEEL: what is not STRUCTURAL; state a loss_factor"),
         ("*BOUNDARY", "*RELEASE\n1, S2, M1-M2\n*BOUNDARY", "*RELEASE: a keyword that is not known here"),
         (
             "*BEAM SEC",
