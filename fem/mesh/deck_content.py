@@ -221,9 +221,17 @@ class Deck:
         named += [node for node, letters in self.held.items() if letters & ALL]  # a scalar point has none of those
         for node in named:
             _ = self.points[node]
-        for name in [name for name, (_, own) in self.links.items() if not own]:
-            del self.links[name]
-            self.lose(name, "it carries no node")
+        if (
+            wrong := set().union(*self.held.values(), *self.riding.values(), *(one.ways for one in self.means.values()))
+            - ALL
+            - {"0"}
+        ):
+            raise ValueError(f"{''.join(sorted(wrong))} stands where freedoms should")
+        for name, own in {**{name: own for name, (_, own) in self.links.items()}, **self.means}.items():
+            if not (own.motions if isinstance(own, Mean) else own):
+                self.links.pop(name, None)
+                self.means.pop(name, None)
+                self.lose(name, "it joins no node")
         turning = self.turning  # what does not turn need not be carried in rotation
         letters = {name: self.riding[name] for name in self.links}
         for name, (_, riders) in self.links.items():

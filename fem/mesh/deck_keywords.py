@@ -168,7 +168,10 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
         _join(deck, keyword, options, rows, surfaces)
     for name, node, row in inertias:
         if at := [one for one, (where, _) in deck.masses.items() if where == node]:
-            deck.masses[at[0]] = node, replace(deck.masses[at[0]][1], moments=np.diag([real(text) for text in row[:3]]))
+            deck.masses[at[0]] = (
+                node,
+                replace(deck.masses[at[0]][1], moments=np.diag([real(text) for text in [*row, "", ""][:3]])),
+            )
             deck.carried["ROTARY INERTIA"] = None
         else:
             deck.lose(name, "no mass is at its node")

@@ -23,12 +23,13 @@ class Line(NamedTuple):
 
 def real(text: str) -> float:
     """``1.5-3`` is 1.5e-3 in Nastran; nothing is zero."""
-    text = text.strip().upper()
-    if not text:
-        return 0.0
-    if not (found := re.fullmatch(r"([-+]?[\d.]+|[-+]?(?:NAN|INF\w*))[ED]?([-+]?\d+)?", text)):
-        raise ValueError(f"{text} stands where a number should")
-    return float(f"{found[1]}E{found[2] or 0}" if found[1][-1:] in ".0123456789" else found[1])
+    text = text.strip()
+    try:
+        return float(text or 0.0)
+    except ValueError:
+        if not (found := re.fullmatch(r"([-+]?(?:\d+\.?\d*|\.\d+))(?:[ED]?([-+]\d+)|[ED](\d+))", text, re.IGNORECASE)):
+            raise ValueError(f"{text} stands where a number should") from None
+    return float(f"{found[1]}e{found[2] or found[3]}")
 
 
 class NotThere(LookupError):

@@ -206,6 +206,7 @@ def test_large_fields_go_on_in_large_fields(lines: str, tmp_path: Path) -> None:
         ("CONM2,9,3,,1.,0.,0.,0.,,1.", "line 9 has more fields than the 8 of a line"),
         ("GRID*,7,,0.,0.,1.", "line 9 has more fields than the 4 of a line"),
         ("CONM2,9,3,,1.\nCONM2,9,2,,1.", "two CONM2 have the number 9"),
+        ("SPC1,1,1*3,2", r"\* stands where freedoms should"),
         ("PBUSH,9,K,RIGID\nCBUSH,9,9,3,,,,,0", "RIGID stands where a number should"),
     ],
 )
