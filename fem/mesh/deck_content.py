@@ -629,7 +629,7 @@ def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
             deck.layered(card, own)
         elif card in ("PBCOMP", "PLSOLID", "MAT2", "MAT9", "MAT10", "PBMSECT"):
             deck.lose(name, "no material or property that is known here; state the part by hand")
-        elif card in ("CQUAD4", "CTRIA3") and any(f[10:14]):
+        elif card[:5] in ("CQUAD", "CTRIA") and any(f[10:14]):
             thick[f[1]] = None
         elif card == "CONM2":
             node, number = int(f[1]), f[2] or BASIC
@@ -726,8 +726,8 @@ def _listed(fields: Sequence[str], name: str, deck: Deck) -> list[int]:
         if text.upper() == "THRU":
             through = True
         elif text.isdigit():
-            tags = deck.mesh.node_tags  # a range names those that are there
-            found += tags[(tags > found[-1]) & (tags <= int(text))].tolist() if through and found else [int(text)]
+            tags = deck.mesh.node_tags  # a range names those that are there, its ends among them
+            found += tags[(tags >= found.pop()) & (tags <= int(text))].tolist() if through and found else [int(text)]
             through = False
         elif text and real(text):
             deck.lose(name, f"{text} behind its nodes")

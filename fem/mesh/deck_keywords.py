@@ -137,11 +137,11 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
             riders = called(mesh, options.get("NSET", options.get("ELSET", options.get("TIE NSET", ""))))
             carrier = o.get("REF NODE", o.get("REFNODE", ""))
             there = numbers_of(mesh, [int(carrier) if carrier.isdigit() else carrier]) if carrier else []
-            if len(there) == 1:
+            if riders and len(there) == 1:
                 turning |= {int(one): there[0] for key, one in o.items() if key in ("ROT NODE", "ROTNODE")}
                 deck.ride(keyword, f"{keyword} {riders}", there[0], "123456", [riders])
             else:
-                deck.lose(name, "it has no reference node")
+                deck.lose(name, "it has no reference node, or no NSET, ELSET or TIE NSET")
         elif keyword == "BOUNDARY":
             deck.boundary(rows)
         elif keyword == "TRANSFORM" and (kind := o.get("TYPE", "R")) == "S":

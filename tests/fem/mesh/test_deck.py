@@ -524,6 +524,7 @@ def test_the_node_of_a_rigid_link_is_a_place_by_its_number(tmp_path: Path) -> No
         ("GRID,77,,0.,0.,0.\nPBUSH,9,K,5.,5.,5.\nCBUSH,9,9,1,77,,,,0", "CBUSH 9: it ends at a node that nothing else is at"),
         ("PBEAM,2,1,100.,900.,400.,,800.\n\n,YESA,1.,50.\nCBEAM,2,2,1,5,1.,0.,0.", "PBEAM 2: a taper"),
         ("CTRIA3,7,1,1,2,5,,,,,\n,,,2.,3.,2.", "property 1: some of its shells have thicknesses of their own"),
+        ("CQUADR,7,1,1,2,3,4,,,,\n,,,2.,3.,2.,2.", "property 1: some of its shells have thicknesses of their own"),
     ],
 )
 def test_what_is_not_carried_over_is_said_and_ends_with_one(

@@ -507,6 +507,7 @@ def test_points_are_joined_as_abaqus_joins_them(kind: str, ways: str, tmp_path: 
             "*TIE, NAME=GLUE\nTIP, END\n",
             "*TIE GLUE: none of its 21 nodes lies within 0.707 of the other surface, and 1 row of it",
         ),
+        ("*RIGID BODY, PIN NSET=TIP, REF NODE=9000\n", "*RIGID BODY: it has no reference node, or no NSET, ELSET or TIE NSET"),
         ("*TIE, NAME=GLUE\nBEGIN, NOWHERE\n", "*TIE GLUE: 'NOWHERE' of it is not here, and 1 row of it with that"),
         ("*MPC\nSLIDER, 1060, 30, 31\n", "*MPC 1: MPC of type SLIDER are not known here, and 1 row of it with that"),
         ("*EQUATION\n2\n1060, 11, 1., 30, 1, -1.\n", "*EQUATION 1: a freedom that is none of motion, and 2 rows of it"),
@@ -554,6 +555,13 @@ def test_a_deck_that_joins_or_holds_nodes_that_are_not_there_is_refused_with_its
     (tmp_path / "deck.bdf").write_text(f"{BOTH}{grids(21)}{cards}\nENDDATA\n")
     with pytest.raises(BadInput, match=words):
         deck.described(tmp_path / "deck.bdf", "mm-t-N-s")
+
+
+def test_a_range_may_name_nodes_that_are_not_there(tmp_path: Path) -> None:
+    more = "SPC1,1,456,777,THRU,9999\nSPC1,1,13,4,THRU,12\n"
+    found = of(held(tmp_path, f"{BOTH}{LINK}{more}ENDDATA\n")[0])
+    single = of(held(tmp_path, f"{BOTH}{LINK}SPC1,1,13,11\n".replace("RBE2", "SPC1,1,13,12\nRBE2") + "ENDDATA\n")[0])
+    np.testing.assert_array_equal(found, single)
 
 
 @pytest.mark.parametrize(
