@@ -527,7 +527,9 @@ class Deck:
     def beam_section(self, name: str, group: str, o: Mapping[str, str], rows: Sequence[Sequence[str]]) -> None:
         """Along its first direction, which the second row says, a rectangle has the first of its two sizes."""
         sizes = [real(text) for text in rows[0] if text]
-        z_axis = tuple(real(text) for text in rows[1][:3]) if rows[1:] else (0.0, 0.0, -1.0)
+        beams, some = self.mesh.cells.get("line2"), self.mesh.groups.get(group, {}).get("line2")
+        told = beams is not None and beams.axes is not None and not np.isnan(beams.axes[some]).any()  # by its elements
+        z_axis = () if told else tuple(real(text) for text in rows[1][:3]) if rows[1:] else (0.0, 0.0, -1.0)
         section: dict[str, float] = {}
         if any(real(o.get(way, "")) for way in ("OFFSET1", "OFFSET2")):
             self.lose(name, "how far it is off its nodes (OFFSET1, OFFSET2)")
@@ -540,7 +542,7 @@ class Deck:
         elif o.get("SECTION") == "BOX" and len(sizes) == 6 and sizes[2] == sizes[4] and sizes[3] == sizes[5]:
             section = plated("BOX", (sizes[1], sizes[0], *sizes[2:4]))[0]
         elif o.get("SECTION") == "GENERAL":
-            A, I1, I12, I2, J = (*sizes, *5 * [0.0])[:5]
+            A, I1, I12, I2, J = map(real, [*rows[0], *5 * [""]][:5])
             section = {"area": A, "Iy": I2, "Iz": I1, "J": J} | ({"Iyz": -I12} if I12 else {})
         elif o.get("SECTION") == "I" and 2 * sizes[0] == sizes[1] and sizes[2] == sizes[3] and sizes[4] == sizes[5]:
             own = plated("I", (*sizes[1:4], sizes[6], *sizes[4:6]))[0]  # which is as high as its second axis goes

@@ -183,9 +183,8 @@ class _Raw:
         groups: dict[str, dict[str, Integers]] = {}
         for name, members in self.groups.items():
             by_kind: dict[str, list[int]] = {}
-            for tag in dict.fromkeys(members):
-                if tag in where:
-                    by_kind.setdefault(where[tag][0], []).append(where[tag][1])
+            for kind, index in filter(None, map(where.get, dict.fromkeys(members))):
+                by_kind.setdefault(kind, []).append(index)
             if by_kind:
                 groups[name] = {kind: np.array(index, dtype=np.intp) for kind, index in by_kind.items()}
         sets = {name: np.flatnonzero(np.isin(tags, members)) for name, members in self.node_groups.items()}
@@ -266,7 +265,7 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
     groups: dict[str, list[int]] = {}
     node_groups: dict[str, list[int]] = {}
     spelt: dict[tuple[str, str], str] = {}  # a set is called as it is first, whatever capitals it has afterwards
-    keyword, options, kind, pending = "", dict[str, str](), "", list[int]()
+    keyword, options, kind, pending, towards = "", dict[str, str](), "", list[int](), dict[int, tuple[int, int]]()
     for line in deck_lines(path):
         text = line.text.strip()
         if text.startswith("*"):
@@ -295,7 +294,7 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
             continue
         fields = [field.strip() for field in text.split(",")]
         if keyword == "NODE":
-            x, y, z = (real([*fields, "", "", ""][n]) for n in (1, 2, 3))
+            x, y, z = map(real, [*fields, "", "", ""][1:4])
             _once(nodes, int(fields[0]), (x, y, z), str(path))
             if "NSET" in options:
                 node_groups.setdefault(options["NSET"], []).append(int(fields[0]))
@@ -304,6 +303,8 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
             if text.endswith(","):
                 continue
             tag, *own = pending
+            if kind == "line2" and len(own) == 3:  # the last tells the first axis of its section
+                towards[tag] = own[0], own.pop()
             _once(elements.setdefault(kind, {}), tag, own[::2] + own[1::2] if kind == "line3" else own, str(path))
             pending = []
             if "ELSET" in options:
@@ -312,7 +313,7 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
             table = node_groups if keyword == "NSET" else groups
             members = table.setdefault(options.get(keyword, ""), [])
             if "GENERATE" in options:
-                start, stop, step = (int(field) for field in ([field for field in fields if field] + ["1"])[:3])
+                start, stop, step = map(int, [*filter(None, fields), "1"][:3])
                 members += range(start, min(stop, start + 5_000_000) + 1, max(step, 1))
                 continue
             for field in fields:
@@ -320,7 +321,8 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
                     members.append(int(field))
                 elif field:
                     members += table.get(spelt.get((keyword, field.upper()), field), [])
-    return _Raw(nodes=nodes, elements=elements, groups=groups, node_groups=node_groups)
+    axes = {tag: np.subtract(nodes[to], nodes[one]) for tag, (one, to) in towards.items()}
+    return _Raw(nodes=nodes, elements=elements, groups=groups, node_groups=node_groups, axes=axes)
 
 
 def _once(table: dict[int, Any], tag: int, value: Any, source: str) -> None:
@@ -376,8 +378,7 @@ def _nastran(path: Path, left_out: LeftOut) -> _Raw:
             if not kind:
                 problem = f"the {card} {tag} has {len(own)} nodes"
                 raise BadInput(source=str(path), field=card, problem=problem, remedy=f"It is read as {' or '.join(kinds)}")
-            order = _MIDDLES_LAST.get(kind, range(len(own)))
-            _once(elements.setdefault(kind, {}), tag, [own[n] for n in order], str(path))
+            _once(elements.setdefault(kind, {}), tag, [own[n] for n in _MIDDLES_LAST.get(kind, range(len(own)))], str(path))
             groups.setdefault(group, []).append(tag)
             if card in ("CBAR", "CBEAM") or (kind in SHELLS and any(fields[begin + most :])):
                 stating.append((card, kind, fields))

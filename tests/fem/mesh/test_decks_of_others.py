@@ -263,7 +263,7 @@ def test_a_general_section_has_its_moments_about_its_first_two_axes(tmp_path: Pa
     rectangle = told(tmp_path, pinned("1, 6", ""))[0]
     assert rectangle is not None
     for one in (text, own):
-        found = told(tmp_path, one.format(f"{across}, 0., {along}, 1.E-9"))[0]
+        found = told(tmp_path, one.format(f"{across}, , {along}, 1.E-9"))[0]
         assert found is not None
         first, wanted = (fixed_base(each, 1).frequency for each in (found, rectangle))
         np.testing.assert_allclose(first, wanted, rtol=0.01)  # but for the shear
@@ -298,3 +298,17 @@ def test_lead_and_what_is_stiffer_or_lighter_is_a_material(E: float, rho: float,
     text = PLATE.format(axes="", cd="", held="SPC1,1,123456,1,4\n").replace("2.1+11,,0.3,7850.", f"{E},,.3,{rho}")
     (tmp_path / "deck.bdf").write_text(text)
     assert 'units = "m-kg-N-s"' in deck.described(tmp_path / "deck.bdf")[0]
+
+
+def test_a_third_node_of_a_beam_tells_the_first_axis_of_its_section(tmp_path: Path) -> None:
+    """It was refused as a line of three nodes."""
+    row = told(tmp_path, pinned("1, 6", ""))[0]
+    text = (
+        pinned("1, 6", "")
+        .replace("*ELEMENT", "9, .5, 0., .02\n*ELEMENT")
+        .replace("1, 1, 2\n2, 2, 3\n", "1, 1, 2, 9\n2, 2, 3, 9\n")
+    )
+    node = told(tmp_path, text.replace("1., 0., 0.\n*B", "0., 1., 0.\n*B"))[0]
+    assert row is not None
+    assert node is not None
+    np.testing.assert_allclose(fixed_base(node, 3).frequency, fixed_base(row, 3).frequency, rtol=1e-9)
