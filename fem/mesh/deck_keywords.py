@@ -127,6 +127,8 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
             if keyword == "SPRING":
                 _abaqus_spring(deck, name, bare, rows, "ORIENTATION" in o)
             elif keyword == "MASS":
+                if len({real(text) for text in first if text}) > 1:
+                    deck.lose(name, "it is not alike in all directions; the first is taken")
                 deck.masses |= {f"MASS {options['ELSET']} {tag}": (node, Rider(mass=real(first[0]))) for tag, _, (node,) in bare}
                 deck.carried[keyword] = None
             elif any(map(real, first[3:])) or "ORIENTATION" in o:
@@ -156,10 +158,8 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
             surfaces[o["NAME"]] = Surface(deck=deck, rows=rows, nodes=o.get("TYPE", "ELEMENT") == "NODE")
         elif keyword == "COUPLING":
             coupling = options
-        elif keyword in ("KINEMATIC", "DISTRIBUTING"):
-            joining.append((keyword, {**coupling, **options}, rows))
-        elif keyword in ("EQUATION", "MPC", "TIE"):
-            joining.append((keyword, options, rows))
+        elif keyword in ("KINEMATIC", "DISTRIBUTING", "EQUATION", "MPC", "TIE"):
+            joining.append((keyword, coupling | options if keyword in ("KINEMATIC", "DISTRIBUTING") else options, rows))
         elif keyword in ("STEP", "END STEP"):
             open_step = keyword == "STEP"
         elif files.carries(keyword):
@@ -168,10 +168,8 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
         _join(deck, keyword, options, rows, surfaces)
     for name, node, row in inertias:
         if at := [one for one, (where, _) in deck.masses.items() if where == node]:
-            deck.masses[at[0]] = (
-                node,
-                replace(deck.masses[at[0]][1], moments=np.diag([real(text) for text in [*row, "", ""][:3]])),
-            )
+            moments = np.diag([real(text) for text in [*row, "", ""][:3]])
+            deck.masses[at[0]] = node, replace(deck.masses[at[0]][1], moments=moments)
             deck.carried["ROTARY INERTIA"] = None
         else:
             deck.lose(name, "no mass is at its node")

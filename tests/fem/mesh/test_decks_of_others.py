@@ -250,6 +250,8 @@ def test_masses_are_those_of_their_set_and_turn_as_their_inertia_says(tmp_path: 
     np.testing.assert_allclose((whole.rigid_mass - bare.rigid_mass)[3:, 3:], wanted + moments[1], rtol=1e-9, atol=1e-12)
     lone = "*ELEMENT, TYPE=ROTARYI, ELSET=R\n92, 3\n"
     assert told(tmp_path, free.format(lone + inertia))[2] == ("*ROTARY INERTIA R: no mass is at its node",)
+    three = "*ELEMENT, TYPE=MASS, ELSET=M\n90, 3\n*MASS, ELSET=M\n1., 2., 3.\n"
+    assert told(tmp_path, free.format(three))[2] == ("*MASS M: it is not alike in all directions; the first is taken",)
     with pytest.raises(BadInput, match="MASS names the set NONE, which is not there"):
         told(tmp_path, free.format("*MASS, ELSET=NONE\n1.\n"))
 
