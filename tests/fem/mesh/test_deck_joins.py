@@ -384,6 +384,13 @@ TIED = "*TIE, NAME=GLUE, POSITION TOLERANCE=1.\nBEGIN, END\n"
 
 HUB = f"{TIED}*COUPLING, REF NODE=9000, SURFACE=TIP, CONSTRAINT NAME=HUB\n"
 
+LINE = (80.0, -2.05, -2.5)
+"""[mm] from node 30 of the first block to node 1060 of the second."""
+
+APART = "*EQUATION\n6\n" + ",\n".join(
+    f"{node}, {way}, {sign * LINE[way - 1]}" for node, sign in ((1060, 1), (30, -1)) for way in (1, 2, 3)
+)
+
 JOINS = {
     "tie": (TIED, (3, 2, 2)),
     "tie of other meshes": (TIED, (3, 3, 4)),
@@ -392,6 +399,7 @@ JOINS = {
         "*RIGID BODY, NSET=BEGIN, REF NODE=9000, ROT NODE=9001\n*RIGID BODY, NSET=END, REF NODE=9000, ROT NODE=9001\n",
         (3, 2, 2),
     ),
+    "as far apart": (f"{TIED}{APART}\n", (3, 2, 2)),
     "equations": (
         f"{TIED}*EQUATION\n3\n1060, 3, 1., 1090, 3, -.5, 40, 2, .25\n*EQUATION\n2\n1090, 2, 1., 30, 1, 1.\n",
         (3, 2, 2),
@@ -410,6 +418,13 @@ def test_calculix_has_the_same_frequencies(name: str, tmp_path: Path) -> None:
     rows = (line.split() for line in (tmp_path / "deck.dat").read_text().splitlines())
     theirs = np.array([float(row[3]) for row in rows if len(row) == 5 and row[0].isdigit()])[: len(found)]
     np.testing.assert_allclose(found, theirs, rtol=3e-5)
+
+
+def test_a_rigid_body_of_two_nodes_of_solids_keeps_their_distance(tmp_path: Path) -> None:
+    """An equation along their line says the same, with which CalculiX has the same frequencies."""
+    wanted = of(held(tmp_path, blocks(*JOINS["as far apart"]), "deck.inp")[0])
+    found = of(held(tmp_path, blocks(f"{TIED}*MPC\nBEAM, 1060, 30\n"), "deck.inp")[0])
+    np.testing.assert_allclose(found, wanted, rtol=1e-8)
 
 
 def test_a_tie_of_equal_meshes_is_their_nodes_one_by_one(tmp_path: Path) -> None:
