@@ -71,6 +71,36 @@ def following_one(one: Motion, leading: Iterable[tuple[float, Motion]]) -> Sum:
     return ((1.0, *one), *((-share, *motion) for share, motion in leading if share))
 
 
+def without(sums: Iterable[Sum], idle: Callable[[Motion], bool]) -> list[Sum]:
+    """What each of `sums` says where motions that are `idle`, which nothing else moves or resists, follow the others."""
+    rows, on = list[dict[Motion, float]](), dict[Motion, set[int]]()
+    for k, one in enumerate(sums):
+        rows.append({})
+        for factor, node, way in one:
+            rows[k][node, way] = rows[k].get((node, way), 0.0) + factor
+            on.setdefault((node, way), set()).add(k)
+    sizes = [max(map(abs, row.values()), default=0.0) for row in rows]
+    for node in sorted({motion[0] for motion in on if idle(motion)}):
+        ways = [motion for motion in on if motion[0] == node and idle(motion)]
+        while some := [(abs(rows[k][motion]), k, motion) for motion in ways for k in on[motion]]:
+            size, first, motion = max(some)
+            ways.remove(motion)
+            row, others = rows[first], on.pop(motion)
+            if size > LOOSE_END * sizes[first]:  # by more than rounding
+                rows[first] = {motion: 0.0}
+                for other in row.keys() - {motion}:
+                    on[other] = on[other] - {first} | others - {first}
+                for k in others - {first}:
+                    share = rows[k][motion] / row[motion]
+                    rows[k] |= {other: rows[k].get(other, 0.0) - share * factor for other, factor in row.items()}
+            for k in others:
+                del rows[k][motion]
+    return [
+        tuple((factor, *motion) for motion, factor in row.items() if abs(factor) > NOTHING * size)
+        for row, size in zip(rows, sizes, strict=True)
+    ]
+
+
 # Surfaces: faces of elements, and what ties a node to the face that it lies on.
 
 FACES: Mapping[str, tuple[tuple[int, ...], ...]] = {

@@ -12,8 +12,10 @@ import numpy as np
 
 from fem.mesh import files
 from fem.mesh.constraints import Term
-from fem.mesh.deck_content import Deck, Elastic, numbers_of, read_cards
+from fem.mesh.deck_content import ALL, TRANSLATIONS, Deck, Elastic, numbers_of, read_cards
 from fem.mesh.deck_keywords import read_keywords
+from fem.mesh.deck_text import NotThere, naming
+from fem.mesh.description import SEAM
 from fem.user_model.units import KNOWN, UnitSystem, unit_system
 from geometry import toml_file
 from geometry.dynamic_mass import MOTIONS
@@ -23,6 +25,9 @@ from geometry.toml_file import STANDARD_GRAVITY
 ELASTIC, DENSE, SOUND = (1e6, 1.3e12), (5.0, 22_600.0), (30.0, 14_000.0)
 """Young's modulus [Pa], density [kg/m³] and speed of sound [m/s] between which materials lie, from soft rubber and foam to
 diamond and osmium: units in which a deck's materials are outside are not its own. Held by tests/fem/mesh/test_deck.py."""
+
+METALLIC = (3000.0, 12e9)
+"""Density [kg/m³] above which a material is metal or ceramic, and the modulus [Pa] of the softest, lead. Held there, too."""
 
 CORE = 0.02
 """[1] Modulus of layers, as a share of the stiffest material's, below which they are a core. By definition."""
@@ -52,15 +57,22 @@ def read(path: Path) -> Deck:
 
     Raises
     ------
-    BadInput : it cannot be read, or it has no elements.
+    BadInput : it cannot be read, it has no elements, or something is at, joins or holds a node that is not there (which line).
     """
     mesh = files.read(path, lambda card: True)
     try:
         deck = read_keywords(path, mesh) if mesh.coordinates is None else read_cards(path, mesh, mesh.coordinates)
+        deck.settle()
+    except NotThere as error:
+        line, card = naming(
+            path, error.what, lambda card: files.carries(card) or card in (*files.LOOSE, "SPC", "SPC1", "BOUNDARY")
+        )
+        problem = f"{card} names {'node' if isinstance(error.what, int) else 'the set'} {error.what}, which is not there"
+        remedy = "Correct it, or take it out: a solver stops there, too"
+        raise BadInput(source=str(line.file), field=f"line {line.number}", problem=problem, remedy=remedy) from None
     except (ValueError, IndexError, KeyError, ArithmeticError) as error:
         problem = f"a record of it cannot be read: {type(error).__name__}, {error}"
         raise BadInput(source=str(path), problem=problem, remedy="Check the deck; it may be cut short or damaged") from None
-    deck.settle()
     return deck
 
 
@@ -95,10 +107,64 @@ def _believed(deck: Deck, system: UnitSystem, share: float = 1.0) -> bool:
         rho = share * one.density * deck.weight * system.mass / system.length**3
         if not ELASTIC[0] <= E <= ELASTIC[1]:
             return False
+        if rho > METALLIC[0] and METALLIC[1] > E:
+            return False
         if rho and not (DENSE[0] <= rho <= DENSE[1] and SOUND[0] <= np.sqrt(E / rho) <= SOUND[1]):
             return False
         heaviest = max(heaviest, rho)
     return heaviest >= HEAVY
+
+
+# Where it is held.
+
+
+def _supports(deck: Deck) -> dict[str, list[int | str]]:
+    """What is held, by the directions, such as "13", in which it is; under "" what is held in all in which it could move."""
+    carriers, found = set(deck.carriers), dict[str, set[int]]()
+    turning = deck.turning | carriers
+    for node in (deck.numbers(1, 2, 3) | carriers | deck.loose) & set(deck.held):
+        able = ALL if node in turning | deck.loose else TRANSLATIONS
+        if held := deck.held[node] & able:
+            whole = held == able and node not in deck.loose
+            found.setdefault("" if whole else "".join(sorted(held)), set()).add(node)
+    return {directions: _named(deck, nodes) for directions, nodes in found.items()}
+
+
+def _clamps(deck: Deck, held: Sequence[int | str]) -> dict[str, list[int | str]]:
+    """Nodes of each foot that is `held` altogether, by the name of a link that holds it, so that it may give.
+
+    A foot are nodes that elements join. None where one is a pin, which does not turn, or where they are more than a seam has.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    loose = numbers_of(deck.mesh, [one for one in held if one not in deck.links])
+    nodes = np.flatnonzero(np.isin(deck.mesh.node_tags, loose))
+    pairs, count = [np.zeros((0, 2), dtype=np.intp)], len(deck.mesh.node_tags)
+    for cells in deck.mesh.cells.values() if len(nodes) else ():
+        element, which = np.nonzero(np.isin(cells.nodes, nodes))
+        pairs.append(np.column_stack([cells.nodes[element, which], count + element]))
+        count += len(cells.nodes)
+    every = np.vstack(pairs)
+    foot = connected_components(coo_array((np.ones(len(every)), every.T), shape=(count, count)), directed=False)[1]
+    feet = [deck.mesh.node_tags[nodes[foot[nodes] == k]].tolist() for k in np.unique(foot[nodes])]
+    turning = deck.turning
+    pins = [own for own in feet if len(own) == 1 and own[0] not in turning]
+    if pins or not 0 < len(feet) <= SEAM:
+        return {}
+    return {f"clamp-{k}" if len(feet) > 1 else "clamp": _named(deck, set(own)) for k, own in enumerate(feet, start=1)}
+
+
+def _named(deck: Deck, nodes: set[int]) -> list[int | str]:
+    """`nodes` by the links that they carry and the groups that they are, else by their numbers."""
+    names: list[int | str] = [name for node, name in deck.carriers.items() if node in nodes]
+    left = nodes - set(deck.carriers)
+    for name in sorted(deck.mesh.node_groups, key=lambda name: -len(deck.mesh.node_groups[name])):
+        own = set(deck.mesh.node_tags[deck.mesh.node_groups[name]].tolist())
+        if own and own <= nodes and own & left:
+            names.append(name)
+            left -= own
+    return [*names, *sorted(left)]
 
 
 # The text: SI with units, names and numbers of the deck.
@@ -123,9 +189,9 @@ def _material(of: Elastic, added: float, density: float, pressure: float) -> str
 
 
 def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
-    holds = deck.supports()
+    holds = _supports(deck)
     held = holds.pop("", [])
-    clamps = deck.clamps(held)
+    clamps = _clamps(deck, held)
     interface = [*clamps, *(one for one in held if not clamps or one in deck.links)]
     grounded = bool(holds) or any(len(one.ends) == 1 for one in deck.springs.values())
     pressure, density = system.mass / (system.length * system.time**2), deck.weight * system.mass / system.length**3

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -12,8 +12,7 @@ import numpy as np
 from fem.beam.elements import SIZES, plated
 from fem.mesh import constraints, files
 from fem.mesh.constraints import Motion, Sum, Term
-from fem.mesh.deck_text import BASIC, Coordinates, deck_lines, real
-from fem.mesh.description import SEAM
+from fem.mesh.deck_text import BASIC, Coordinates, NotThere, Points, deck_lines, real
 from fem.mesh.files import MeshFile, cards, own_property
 from geometry.frames import Array, axes_along
 
@@ -23,7 +22,14 @@ ALIKE = 1e-6
 ISOTROPIC = 0.05
 """Relative difference of a shear modulus from what E and NU make of it, above which bars twist otherwise; handbooks round."""
 
-TRANSLATIONS, ALL = frozenset("123"), frozenset("123456")
+TRANSLATIONS, TURNS, ALL = frozenset("123"), frozenset("456"), frozenset("123456")
+
+OF_FOUR: Mapping[str, tuple[str, Callable[..., list[float]]]] = {
+    "I1": ("I", lambda a, b, c, d: [d, a + b, a + b, b, (d - c) / 2, (d - c) / 2]),
+    "CHAN1": ("CHAN", lambda a, b, c, d: [a + b, d, b, (d - c) / 2]),
+    "T2": ("T", lambda a, b, c, d: [a, b, c, d]),
+}
+"""Sections of Nastran that are others by other sizes, or upside down."""
 
 HELD_AS = {"ENCASTRE": "123456", "PINNED": "123", "XSYMM": "156", "YSYMM": "246", "ZSYMM": "345"}
 """What Abaqus calls freedoms that are held together."""
@@ -193,32 +199,53 @@ class Deck:
         self.lost.append(f"{what}: {why}")
 
     @cached_property
-    def points(self) -> dict[int, Array]:
+    def points(self) -> Points:
         """Where each node is, by its number."""
-        return dict(zip(self.mesh.node_tags.tolist(), self.mesh.points, strict=True))
+        return Points(zip(self.mesh.node_tags.tolist(), self.mesh.points, strict=True))
 
     def settle(self) -> None:
-        """What stands at a node that is not there is lost; what rides in all directions in which it moves rides whole."""
+        """What rides in all directions in which it moves rides whole; what carries over is settled with it.
+
+        Raises
+        ------
+        NotThere : something stands at, joins or holds a node that is not there.
+        """
         there = set(self.mesh.node_tags.tolist())
         self._hold_along_the_axes_of_the_model()
         self._lose_what_is_made_of_nothing()
-        nodes = {name: {node} for name, (node, _) in self.masses.items()}
-        ridden = {name: numbers_of(self.mesh, own) for name, (_, own) in self.links.items()}
-        nodes |= {name: {self.links[name][0], *own} if own else set() for name, own in ridden.items()}
-        nodes |= {name: {one.follower, *one.shares} for name, one in self.means.items()}
-        nodes |= {name: set(one.ends) for name, one in self.springs.items()}
-        nodes |= {name: {node for one in sums for _, node, _ in one} for name, sums in self.equations.items()}
-        for name, own in nodes.items():
-            if not own or not own <= there:
-                for table in (self.masses, self.links, self.means, self.springs, self.equations):
-                    table.pop(name, None)
-                self.lose(name, "it stands at a node that is not there")
+        named = [node for node, _ in self.masses.values()]
+        named += [node for carrier, own in self.links.values() for node in (carrier, *numbers_of(self.mesh, own))]
+        named += [node for one in self.means.values() for node in (one.follower, *one.shares)]
+        named += [node for one in self.springs.values() for node in one.ends]
+        named += [node for sums in self.equations.values() for one in sums for _, node, _ in one]
+        named += [node for node, letters in self.held.items() if letters & ALL]  # a scalar point has none of those
+        for node in named:
+            _ = self.points[node]
+        if (
+            wrong := set().union(*self.held.values(), *self.riding.values(), *(one.ways for one in self.means.values()))
+            - ALL
+            - {"0"}
+        ):
+            raise ValueError(f"{''.join(sorted(wrong))} stands where freedoms should")
+        for name, own in {**{name: own for name, (_, own) in self.links.items()}, **self.means}.items():
+            if not (own.motions if isinstance(own, Mean) else own):
+                self.links.pop(name, None)
+                self.means.pop(name, None)
+                self.lose(name, "it joins no node")
         turning = self.turning  # what does not turn need not be carried in rotation
+        letters = {name: self.riding[name] for name in self.links}
         for name, (_, riders) in self.links.items():
             if set(self.riding[name]) >= (ALL if turning & set(numbers_of(self.mesh, riders)) else TRANSLATIONS):
                 del self.riding[name]
+        means = set(self.means)
         self._settle_links()
-        self._settle_equations()
+        turns = {
+            (node, int(letter) - 1): carrier
+            for name, (carrier, riders) in self.links.items()
+            for node in numbers_of(self.mesh, riders)
+            for letter in TURNS.intersection(letters[name])
+        }
+        self._settle_equations(means, turns)
         structural, carried = self.numbers(1, 2, 3), {one.follower for one in self.means.values()} | self.carriers.keys()
         tied = {node for sums in self.equations.values() for one in sums for _, node, _ in one}
         tied |= {node for _, riders in self.links.values() for node in numbers_of(self.mesh, riders)}
@@ -241,8 +268,8 @@ class Deck:
                 self.lose(name, "it stands at a node that nothing else is at")
 
     def _settle_links(self) -> None:
-        """What rides on a node that follows others, beside another link, or along axes of its own, is told by equations."""
-        structural, points = self.numbers(1, 2, 3), self.points
+        """What rides on a node that follows others, beside another link, on axes of its own or a line: by equations."""
+        structural, points, turning = self.numbers(1, 2, 3), self.points, self.turning
         riders = {name: numbers_of(self.mesh, own) for name, (_, own) in self.links.items()}
         led = {node for own in riders.values() for node in own} | {one.follower for one in self.means.values()}
         ridden, carrying = set[int](), set[int]()
@@ -250,7 +277,9 @@ class Deck:
             ways, own = self.riding.get(name), set(riders[name])
             askew = ways is not None and (carrier in structural or own & self.axes.keys())
             beside = own & ridden or carrier in carrying or (carrier in led - own and carrier not in structural)
-            if askew or beside or (carrier in structural and carrier in ridden):
+            line = np.array([points[node] - points[carrier] for node in own]) if own.isdisjoint(turning) else np.eye(3)
+            spins = carrier in structural - turning and np.linalg.matrix_rank(line, tol=ALIKE * np.abs(line).max()) < 2
+            if askew or beside or spins or (carrier in structural and carrier in ridden):
                 following = [(node, int(way) - 1) for node in riders[name] for way in ways or "123456" if node != carrier]
                 six = {(carrier, way): 1.0 for way in range(6)}
                 self.equations[name] = constraints.following(points, following, six, self.axes)
@@ -274,21 +303,30 @@ class Deck:
             except ValueError as error:
                 self.lose(name, str(error))
 
-    def _settle_equations(self) -> None:
-        """Along the axes of the model, and without rotations of nodes that do not turn."""
-        still, leaning = self.numbers(1, 2, 3) - self.turning, set[int]()
-        for name, sums in list(self.equations.items()):
-            found = list[Sum]()
-            for (factor, node, way), *others in sums:
-                if way > 2 and node in still:
-                    continue
-                terms = sorted(self._along(factor, node, way), key=lambda term: -abs(term[0]))
+    def _settle_equations(self, means: Collection[str], riding: Mapping[Motion, int]) -> None:
+        """Along the axes of the model. Rotations of solids follow what moves, or what they are `riding` on; none in `means`."""
+        still = self.numbers(1, 2, 3) - self.turning - self.carriers.keys()
+        leaning, told = set[int](), list[tuple[str, Sum]]()
+
+        def idle(motion: Motion) -> bool:
+            return motion[1] > 2 and motion[0] in still
+
+        for name, sums in self.equations.items():
+            for first, *others in sums:
+                terms = sorted(self._along(*first), key=lambda term: -abs(term[0]))
                 terms += [one for term in others for one in self._along(*term)]
-                leaning |= {node for _, node, way in terms if way > 2 and node in still}
-                found.append(tuple(term for term in terms if not (term[2] > 2 and term[1] in still)))
-            self.equations[name] = found
-            if not found:
-                del self.equations[name]
+                terms = [(factor, riding.get((node, way), node), way) for factor, node, way in terms]
+                none = {of[1] for of in terms if idle(of[1:])} if name in means else set[int]()
+                if name in means and idle(first[1:]):
+                    continue
+                leaning |= none
+                held = (str(way + 1) in self.held.get(node, ()) or node in none for _, node, way in terms)
+                told.append((name, tuple(of for of, fixed in zip(terms, held, strict=True) if not (fixed and idle(of[1:])))))
+        left = constraints.without((one for _, one in told), idle)
+        self.equations = {}
+        for (name, _), one in zip(told, left, strict=True):
+            self.equations.setdefault(name, []).extend([one] if one else [])
+        self.equations = {name: sums for name, sums in self.equations.items() if sums}
         if leaning:
             nodes = files.joined(sorted(leaning))
             self.lose(f"rotations of nodes {nodes}", f"{len(leaning)} that are of solids, do not turn, and are to move others")
@@ -369,11 +407,11 @@ class Deck:
 
     def chosen(self, word: str, text: str, sets: Mapping[str, list[Row]]) -> list[Row]:
         """Rows of the set of constraints, SPC or MPC by `word`, that the case control calls; the only one where it calls none."""
-        head = text.upper().partition("BEGIN BULK")[0]
+        head = text.partition("BEGIN BULK")[0]
         called = re.findall(rf"^\s*{word}\s*=\s*(\w+)", head, re.MULTILINE)
         chosen = [one for one in dict.fromkeys(called) if one in sets] or list(sets)
-        if word == "MPC" and sets and not called and re.search(r"^\s*CEND", head, re.MULTILINE):
-            self.lose(f"MPC sets {', '.join(sets)}", "the case control calls none, and Nastran leaves them out")
+        if sets and not called and re.search(r"^\s*CEND", head, re.MULTILINE):
+            self.lose(f"{word} sets {', '.join(sets)}", "the case control calls none, and Nastran leaves them out")
             return []
         if len(chosen) > 1:
             self.lose(f"{word} sets {', '.join(chosen)}", "more than one, and none that is called alone")
@@ -439,8 +477,11 @@ class Deck:
             shear = K2, K1
             section = {"area": A, "Iy": I1, "Iz": I2, "J": J} | ({"Iyz": -I12} if I12 else {}) if I1 or I2 or J else {"area": A}
         else:
-            d = [real(text) for text in f[8:12]]
             kind = f[3].upper()
+            size = SIZES.get(kind, 4)
+            d = [real(text) for text in f[8 : 8 + size]]
+            if kind in OF_FOUR:
+                kind, d = OF_FOUR[kind][0], OF_FOUR[kind][1](*d)
             if kind == "BAR":
                 section = {"width": d[0], "height": d[1]}
             elif kind == "ROD":
@@ -448,15 +489,22 @@ class Deck:
             elif kind in ("TUBE", "TUBE2"):
                 section = {"outer_diameter": 2 * d[0], "inner_diameter": 2 * (d[1] if kind == "TUBE" else d[0] - d[1])}
             elif kind in ("BOX", "I", "T", "L", "CHAN", "HAT"):
-                section, (up, right) = plated(kind, [real(text) for text in f[8 : 8 + SIZES[kind]]])
-                neutral_axis = (-right, up) if card == "PBEAML" else ()
+                section, (up, right) = plated(kind, d)
+                neutral_axis = (-right, -up if f[3].upper() == "T2" else up) if card == "PBEAML" else ()
                 if card == "PBEAML" and kind == "HAT":
                     self.lose(name, "where a hat has its shear centre, about which it twists")
             else:
                 self.lose(name, f"a section of kind {kind}")
-            added = real(f[8 + SIZES.get(kind, 0)]) if section else 0.0
-            if card == "PBEAML" and f[9 + SIZES.get(kind, 0)]:
-                self.lose(name, "a taper; it is as at its first end")
+            added = real(f[8 + size]) if section else 0.0
+            rest = f[9 + size :]  # of stations whether there is output, where they are, sizes and a mass
+            while card == "PBEAML" and rest[0]:
+                if any(
+                    real(text) != one for text, one in zip(rest[2:], [*map(real, f[8 : 8 + size]), added], strict=False) if text
+                ):
+                    self.lose(name, "a taper; it is as at its first end")
+                rest = rest[3 + size :]
+        if len(section) > 1 and section.get("J") == 0:
+            self.lose(name, "it has no stiffness in torsion (J), and twists freely")
         shear = tuple(one or np.inf for one in shear) if any(shear) and len(section) > 1 else ()
         off = neutral_axis if any(neutral_axis) else ()
         self.properties[f[0]] = Property(material=f[1], section=section, added=added, neutral_axis=off, shear=shear)
@@ -479,7 +527,9 @@ class Deck:
     def beam_section(self, name: str, group: str, o: Mapping[str, str], rows: Sequence[Sequence[str]]) -> None:
         """Along its first direction, which the second row says, a rectangle has the first of its two sizes."""
         sizes = [real(text) for text in rows[0] if text]
-        z_axis = tuple(real(text) for text in rows[1][:3]) if rows[1:] else (0.0, 0.0, -1.0)
+        beams, some = self.mesh.cells.get("line2"), self.mesh.groups.get(group, {}).get("line2")
+        told = beams is not None and beams.axes is not None and not np.isnan(beams.axes[some]).any()  # by its elements
+        z_axis = () if told else tuple(real(text) for text in rows[1][:3]) if rows[1:] else (0.0, 0.0, -1.0)
         section: dict[str, float] = {}
         if any(real(o.get(way, "")) for way in ("OFFSET1", "OFFSET2")):
             self.lose(name, "how far it is off its nodes (OFFSET1, OFFSET2)")
@@ -491,6 +541,12 @@ class Deck:
             section = {"outer_diameter": 2 * sizes[0], "inner_diameter": 2 * (sizes[0] - sizes[1])}
         elif o.get("SECTION") == "BOX" and len(sizes) == 6 and sizes[2] == sizes[4] and sizes[3] == sizes[5]:
             section = plated("BOX", (sizes[1], sizes[0], *sizes[2:4]))[0]
+        elif o.get("SECTION") == "GENERAL":
+            A, I1, I12, I2, J = map(real, [*rows[0], *5 * [""]][:5])
+            section = {"area": A, "Iy": I2, "Iz": I1, "J": J} | ({"Iyz": -I12} if I12 else {})
+        elif o.get("SECTION") == "I" and 2 * sizes[0] == sizes[1] and sizes[2] == sizes[3] and sizes[4] == sizes[5]:
+            own = plated("I", (*sizes[1:4], sizes[6], *sizes[4:6]))[0]  # which is as high as its second axis goes
+            section = own | {"Iy": own["Iz"], "Iz": own["Iy"]}
         else:
             self.lose(name, f"a section of kind {o.get('SECTION', 'none')}")
         self.properties[group] = Property(material=o["MATERIAL"], section=section, z_axis=z_axis)
@@ -518,52 +574,6 @@ class Deck:
                 found |= set(self.mesh.node_tags[np.unique(self.mesh.cells[kind].nodes[bends])].tolist())
         return found
 
-    def supports(self) -> dict[str, list[int | str]]:
-        """What is held, by the directions, such as "13", in which it is; under "" what is held in all in which it could move."""
-        carriers, found = set(self.carriers), dict[str, set[int]]()
-        turning = self.turning | carriers
-        for node in (self.numbers(1, 2, 3) | carriers | self.loose) & set(self.held):
-            able = ALL if node in turning | self.loose else TRANSLATIONS
-            if held := self.held[node] & able:
-                whole = held == able and node not in self.loose
-                found.setdefault("" if whole else "".join(sorted(held)), set()).add(node)
-        return {directions: self._named(nodes) for directions, nodes in found.items()}
-
-    def clamps(self, held: Sequence[int | str]) -> dict[str, list[int | str]]:
-        """Nodes of each foot that is `held` altogether, by the name of a link that holds it, so that it may give.
-
-        A foot are nodes that elements join. None where one is a pin, which does not turn, or where they are more than a seam has.
-        """
-        from scipy.sparse import coo_array
-        from scipy.sparse.csgraph import connected_components
-
-        loose = numbers_of(self.mesh, [one for one in held if one not in self.links])
-        nodes = np.flatnonzero(np.isin(self.mesh.node_tags, loose))
-        pairs, count = [np.zeros((0, 2), dtype=np.intp)], len(self.mesh.node_tags)
-        for cells in self.mesh.cells.values() if len(nodes) else ():
-            element, which = np.nonzero(np.isin(cells.nodes, nodes))
-            pairs.append(np.column_stack([cells.nodes[element, which], count + element]))
-            count += len(cells.nodes)
-        every = np.vstack(pairs)
-        foot = connected_components(coo_array((np.ones(len(every)), every.T), shape=(count, count)), directed=False)[1]
-        feet = [self.mesh.node_tags[nodes[foot[nodes] == k]].tolist() for k in np.unique(foot[nodes])]
-        turning = self.turning
-        pins = [own for own in feet if len(own) == 1 and own[0] not in turning]
-        if pins or not 0 < len(feet) <= SEAM:
-            return {}
-        return {f"clamp-{k}" if len(feet) > 1 else "clamp": self._named(set(own)) for k, own in enumerate(feet, start=1)}
-
-    def _named(self, nodes: set[int]) -> list[int | str]:
-        """`nodes` by the links that they carry and the groups that they are, else by their numbers."""
-        names: list[int | str] = [name for node, name in self.carriers.items() if node in nodes]
-        left = nodes - set(self.carriers)
-        for name in sorted(self.mesh.node_groups, key=lambda name: -len(self.mesh.node_groups[name])):
-            own = set(self.mesh.node_tags[self.mesh.node_groups[name]].tolist())
-            if own and own <= nodes and own & left:
-                names.append(name)
-                left -= own
-        return [*names, *sorted(left)]
-
 
 # Nastran: bulk data. Cards of one property have its number; fields behind the card's name are numbered from 0.
 
@@ -571,20 +581,33 @@ _IDLE = re.compile(
     r"PARAM|EIG\w*|LOAD\w*|FORCE\d?|MOMENT\d?|GRAV|RFORCE|PLOAD\w*|TEMP\w*|[DRT]LOAD\d?|DAREA|DPHASE|DELAY|FREQ\d?|TSTEP\w*|TABLE\w*"
     r"|TABDMP\d|TABRND\w*|SUPORT\d?|[ABCQ]SET\d?|OMIT\d?|SPOINT|CORD[12][CRS]|BAROR|BEAMOR|MATT\d|SET\d|SE[ABCQU]?SET\d?|SEELT|NLPARM|ECHOO\w+|PLOTEL\d?|USET\d?"
     r"|DESVAR|DRESP\d|DV\w+|DCONSTR|DOPTPRM|MKAERO\d|RANDPS|DTI|DMI|SEQGP|CSUPER|ACCEL\d?|DEFORM|SPCD|GRDSET"
+    r"|MAT[45]|MATS1|AE\w+|[CP]AERO\d|SPLINE\d|MONPNT\d|TRIM|FL\w+|GUST|BSURFS?|BCPROPS?|NLPCI|MDLPRM|TICD?|DCONADD|SLOAD|LSEQ"
 )
 """Cards that neither weigh nor hold nor join in a linear structure, or are read with the mesh."""
 
 
+ONE_OF_A_NUMBER = re.compile(
+    r"MAT\d+|PSOLID|PSHELL|P(BAR|BEAM)L?|PROD|PTUBE|PCOMPG?|PBUSH|PELAS|CONM2|RBE\d|RBAR1?|CELAS\d|CBUSH"
+)
+"""Cards of which a solver takes one of each number."""
+
+
 def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
     deck, fixed = Deck(mesh=mesh), dict[str, list[Row]]()
-    whole = "\n".join(line.text for line in deck_lines(path))
+    whole = "\n".join(line.text.upper() for line in deck_lines(path))
+    stated = dict(re.findall(r"^\s*PARAM\*?[\s,]+(WTMASS|G)[\s,]+([^\s,$]+)", whole, re.MULTILINE))  # also before bulk data
+    deck.weight, deck.loss_factor = real(stated.get("WTMASS", "1.")), real(stated.get("G", ""))
     deck.axes = {node: axes for node in deck.points if (axes := where.freedoms(node)) is not None}
     springs, laws, bars = list[list[str]](), dict[str, list[str]](), list[tuple[str, list[str]]]()
     shells, together, thick = dict[str, list[str]](), dict[str, list[str]](), dict[str, None]()
-    several = dict[str, list[Row]]()
+    several, seen = dict[str, list[Row]](), set[str]()
     for card, *own in cards(path):
         f = [*own, *(40 * [""])]
         name = f"{card} {f[0]}"
+        if ONE_OF_A_NUMBER.fullmatch(card):
+            if name in seen:
+                raise ValueError(f"two {card} have the number {f[0]}")
+            seen.add(name)
         if card == "MAT1":
             E, G, nu = (real(f[k]) for k in (1, 2, 3))
             nu = nu if f[3] or not G else E / (2 * G) - 1
@@ -592,10 +615,6 @@ def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
             if E and G and abs(2 * G * (1 + nu) / E - 1) > ISOTROPIC:
                 deck.lose(name, f"its G of {G:g}, which E and NU make {E / (2 + 2 * nu):.4g}; that is taken")
             deck.materials[f[0]] = Elastic(modulus=modulus, poisson_ratio=nu, density=real(f[4]), loss_factor=real(f[7]))
-        elif card == "PARAM" and f[0].upper() == "WTMASS":
-            deck.weight = real(f[1])
-        elif card == "PARAM" and f[0].upper() == "G":
-            deck.loss_factor = real(f[1])
         elif card == "PSOLID":
             deck.properties[f[0]] = Property(material=f[1])
         elif card == "PSHELL":
@@ -612,18 +631,21 @@ def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
             deck.layered(card, own)
         elif card in ("PBCOMP", "PLSOLID", "MAT2", "MAT9", "MAT10", "PBMSECT"):
             deck.lose(name, "no material or property that is known here; state the part by hand")
-        elif card in ("CQUAD4", "CTRIA3") and any(f[10:14]):
+        elif card[:5] in ("CQUAD", "CTRIA") and any(f[10:14]):
             thick[f[1]] = None
         elif card == "CONM2":
             node, number = int(f[1]), f[2] or BASIC
             xx, yx, yy, zx, zy, zz = (real(f[k]) for k in range(8, 14))
             inertia, aside = np.array([[xx, -yx, -zx], [-yx, yy, -zy], [-zx, -zy, zz]]), np.array([real(text) for text in f[4:7]])
             if number == "-1":  # where its centre of gravity is, in basic coordinates
-                aside = aside - deck.points.get(node, aside)
-            elif node in deck.points:
+                aside = aside - deck.points[node]
+            else:
                 turned = where.system(number).directions(deck.points[node])
                 inertia, aside = turned.T @ inertia @ turned, aside @ turned
-            deck.masses[name] = node, Rider(mass=real(f[3]), cog=aside, moments=inertia)
+            if (mass := real(f[3])) > 0:
+                deck.masses[name] = node, Rider(mass=mass, cog=aside, moments=inertia)
+            elif mass or inertia.any():
+                deck.lose(name, "its mass is not above zero")
             deck.carried[card] = None
         elif card == "RBE2":
             deck.ride(card, name, int(f[1]), f[2], _listed([text for text in f[3:] if "." not in text], name, deck))  # no ALPHA
@@ -676,7 +698,7 @@ def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
     turning = deck.turning if bars else set[int]()
     for card, f in bars:
         deck.bar(card, f, turning)
-    if not re.search(r"^\s*ENDDATA", whole, re.IGNORECASE | re.MULTILINE):
+    if not re.search(r"^\s*ENDDATA", whole, re.MULTILINE):
         deck.lose("the end", "there is no ENDDATA, and the deck may be cut short")
     for word, sets in (("SPC", fixed), ("MPC", several)):
         added = {key.split()[1]: numbers for key, numbers in together.items() if key.startswith(word)}
@@ -706,8 +728,8 @@ def _listed(fields: Sequence[str], name: str, deck: Deck) -> list[int]:
         if text.upper() == "THRU":
             through = True
         elif text.isdigit():
-            tags = deck.mesh.node_tags  # a range names those that are there
-            found += tags[(tags > found[-1]) & (tags <= int(text))].tolist() if through and found else [int(text)]
+            tags = deck.mesh.node_tags  # a range names those that are there, its ends among them
+            found += tags[(tags >= found.pop()) & (tags <= int(text))].tolist() if through and found else [int(text)]
             through = False
         elif text and real(text):
             deck.lose(name, f"{text} behind its nodes")
@@ -719,9 +741,8 @@ def _spring(deck: Deck, card: str, f: Sequence[str], laws: Mapping[str, Sequence
     if card == "CBUSH":
         law, ends = laws.get(f"PBUSH {f[1] or f[0]}", []), [int(text) for text in f[2:4] if text.isdigit() and int(text)]
         at = next((k for k in range(1, len(law), 8) if law[k].upper() == "K"), 0)
-        if not at or not set(ends) <= points.keys() or f[9] not in ("", "-1"):
-            why = "no PBUSH with K" if not at else "it lies beside the line between its nodes (OCID)"
-            deck.lose(name, why if set(ends) <= points.keys() else "it stands at a node that is not there")
+        if not at or f[9] not in ("", "-1"):
+            deck.lose(name, "it lies beside the line between its nodes (OCID)" if at else "no PBUSH with K")
             return
         six = np.array([real(text) for text in law[at + 1 : at + 7]])
         line = points[ends[-1]] - points[ends[0]]
@@ -759,9 +780,11 @@ def called(mesh: MeshFile, name: str) -> str:
 
 
 def numbers_of(mesh: MeshFile, named: Iterable[int | str]) -> list[int]:
-    """Numbers of the nodes of groups, and numbers as they are."""
-    return [
-        node
-        for one in named
-        for node in ([one] if isinstance(one, int) else mesh.node_tags[mesh.nodes_of(called(mesh, one))].tolist())
-    ]
+    """Numbers of the nodes of groups, and numbers as they are; NotThere: a group that has no nodes."""
+    found = list[int]()
+    for one in named:
+        own = [one] if isinstance(one, int) else mesh.node_tags[mesh.nodes_of(called(mesh, one))].tolist()
+        if not own:
+            raise NotThere(one)
+        found += own
+    return found

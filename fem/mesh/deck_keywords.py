@@ -11,7 +11,7 @@ import numpy as np
 from fem.mesh import files
 from fem.mesh.constraints import FACES, Sum, areas, following, tied
 from fem.mesh.deck_content import TRANSLATIONS, Deck, DeckSpring, Elastic, Mean, Property, Rider, Row, called, numbers_of
-from fem.mesh.deck_text import System, deck_lines, keyword_of, real
+from fem.mesh.deck_text import NotThere, System, deck_lines, keyword_of, real
 from fem.mesh.files import MeshFile
 from geometry.frames import Integers, axes_along
 
@@ -26,7 +26,7 @@ def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]
         text = line.text.strip()
         if not text.startswith("*"):
             meshed = keyword == "ELEMENT" and options.get("TYPE", "").upper() not in files.LOOSE
-            heavy = meshed or keyword in ("NODE", "NSET", "ELSET")
+            heavy = meshed or keyword in ("NODE", "NSET")
             rows += [] if heavy else [[one.strip() for one in text.split(",")]]
             continue
         if keyword:
@@ -41,7 +41,9 @@ def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]
 def read_keywords(path: Path, mesh: MeshFile) -> Deck:
     deck, material, open_step = Deck(mesh=mesh), "", False
     elastic, dense, losses = dict[str, list[str]](), dict[str, float](), dict[str, float]()
-    loose, fibres, oriented = dict[str, list[tuple[str, list[int]]]](), dict[str, list[float]](), dict[str, str]()
+    # Of no mesh: kind and nodes of elements by their numbers, and those by their sets
+    loose, sets, inertias = dict[int, tuple[str, list[int]]](), dict[str, list[int]](), list[tuple[str, int, Row]]()
+    fibres, oriented = dict[str, list[float]](), dict[str, str]()
     coupling, surfaces = dict[str, str](), dict[str, Surface]()
     joining = list[tuple[str, dict[str, str], list[list[str]]]]()
     # Carriers of rigid bodies by the nodes whose displacements are their rotations; and orientations
@@ -64,8 +66,12 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
                 deck.lose(f"*ELASTIC of {material}", "it changes with temperature; the first row is taken")
         elif keyword == "DENSITY":
             dense[material] = real(first[0])
-        elif keyword == "DAMPING" and "STRUCTURAL" in o:
-            losses[material] = real(o["STRUCTURAL"])
+        elif keyword == "DAMPING":
+            losses[material] = real(o.get("STRUCTURAL", ""))
+            if o.keys() - {"STRUCTURAL"}:
+                deck.lose(f"*DAMPING of {material}", "what is not STRUCTURAL; state a loss_factor")
+        elif keyword.endswith("SECTION") and group in deck.properties:
+            deck.lose(name, "a second section of the same elements")
         elif keyword == "SOLID SECTION":
             lines = any(kind in files.BEAMS for kind in mesh.groups.get(group, {}))  # a truss, and its area
             deck.properties[group] = Property(material=o["MATERIAL"], section={"area": real(first[0]) or 1.0} if lines else {})
@@ -98,23 +104,46 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
                 deck.lose(name, "axes that are not of one rectangular system, turned about its third")
         elif keyword == "BEAM SECTION":
             deck.beam_section(name, group, o, rows)
+        elif keyword == "BEAM GENERAL SECTION":
+            if "MATERIAL" not in o:  # it states its own
+                E, G = (real(text) for text in [*rows[2], ""][:2])
+                nu, rho = E / (2 * G) - 1 if G else 0.0, real(o.get("DENSITY", ""))
+                deck.materials[f"of {group}"] = Elastic(modulus=E, poisson_ratio=nu, density=rho)
+            deck.beam_section(name, group, {"MATERIAL": f"of {group}", "SECTION": "GENERAL", **o}, rows)
         elif keyword == "ELEMENT" and o.get("TYPE") in files.LOOSE:
-            loose.setdefault(o.get("ELSET", ""), []).extend((o["TYPE"], [int(text) for text in row if text]) for row in rows)
-        elif keyword == "MASS":
-            for _, (tag, node) in loose.get(o["ELSET"], []):
-                deck.masses[f"{keyword} {options['ELSET']} {tag}"] = node, Rider(mass=real(first[0]))
-            deck.carried[keyword] = None
-        elif keyword == "SPRING":
-            _abaqus_spring(deck, name, loose.get(o["ELSET"], []), rows, "ORIENTATION" in o)
+            loose |= {int(tag): (o["TYPE"], [int(text) for text in ends if text]) for tag, *ends in rows}
+            sets.setdefault(o.get("ELSET", ""), []).extend(int(tag) for tag, *_ in rows)
+        elif keyword == "ELSET":
+            spans = [[*map(int, filter(None, row)), 1][:3] for row in rows if "GENERATE" in o]
+            words = [word.upper() for row in rows if "GENERATE" not in o for word in row if word]
+            own = {tag for word in words for tag in ([int(word)] if word.isdigit() else sets.get(word, []))}
+            some = [tag for tag in loose if tag in own or any(tag in range(a, b + 1, step) for a, b, step in spans)]
+            sets.setdefault(o["ELSET"], []).extend(some)
+        elif keyword in ("MASS", "ROTARY INERTIA", "SPRING"):
+            tags = dict.fromkeys(sets.get(o["ELSET"], ()))
+            bare = [(tag, *loose[tag]) for tag in tags if files.LOOSE[loose[tag][0]] == keyword]
+            if not bare:
+                raise NotThere(options["ELSET"])
+            if keyword == "SPRING":
+                _abaqus_spring(deck, name, bare, rows, "ORIENTATION" in o)
+            elif keyword == "MASS":
+                if len({real(text) for text in first if text}) > 1:
+                    deck.lose(name, "it is not alike in all directions; the first is taken")
+                deck.masses |= {f"MASS {options['ELSET']} {tag}": (node, Rider(mass=real(first[0]))) for tag, _, (node,) in bare}
+                deck.carried[keyword] = None
+            elif any(map(real, first[3:])) or "ORIENTATION" in o:
+                deck.lose(name, "it has products, or axes of its own")
+            else:
+                inertias += [(name, node, first) for *_, (node,) in bare]
         elif keyword == "RIGID BODY":
             riders = called(mesh, options.get("NSET", options.get("ELSET", options.get("TIE NSET", ""))))
             carrier = o.get("REF NODE", o.get("REFNODE", ""))
             there = numbers_of(mesh, [int(carrier) if carrier.isdigit() else carrier]) if carrier else []
-            if len(there) == 1:
+            if riders and len(there) == 1:
                 turning |= {int(one): there[0] for key, one in o.items() if key in ("ROT NODE", "ROTNODE")}
                 deck.ride(keyword, f"{keyword} {riders}", there[0], "123456", [riders])
             else:
-                deck.lose(name, "it has no reference node")
+                deck.lose(name, "it has no reference node, or no NSET, ELSET or TIE NSET")
         elif keyword == "BOUNDARY":
             deck.boundary(rows)
         elif keyword == "TRANSFORM" and (kind := o.get("TYPE", "R")) == "S":
@@ -128,16 +157,21 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
             surfaces[o["NAME"]] = Surface(deck=deck, rows=rows, nodes=o.get("TYPE", "ELEMENT") == "NODE")
         elif keyword == "COUPLING":
             coupling = options
-        elif keyword in ("KINEMATIC", "DISTRIBUTING"):
-            joining.append((keyword, {**coupling, **options}, rows))
-        elif keyword in ("EQUATION", "MPC", "TIE"):
-            joining.append((keyword, options, rows))
+        elif keyword in ("KINEMATIC", "DISTRIBUTING", "EQUATION", "MPC", "TIE"):
+            joining.append((keyword, coupling | options if keyword in ("KINEMATIC", "DISTRIBUTING") else options, rows))
         elif keyword in ("STEP", "END STEP"):
             open_step = keyword == "STEP"
         elif files.carries(keyword):
             deck.lose(name, "a keyword that is not known here")
     for keyword, options, rows in joining:
         _join(deck, keyword, options, rows, surfaces)
+    for name, node, row in inertias:
+        if at := [one for one, (where, _) in deck.masses.items() if where == node]:
+            moments = np.diag([real(text) for text in [*row, "", ""][:3]])
+            deck.masses[at[0]] = node, replace(deck.masses[at[0]][1], moments=moments)
+            deck.carried["ROTARY INERTIA"] = None
+        else:
+            deck.lose(name, "no mass is at its node")
     for node, ref in turning.items():
         deck.held.setdefault(ref, set()).update("456"[int(letter) - 1] for letter in deck.held.pop(node, set()) & TRANSLATIONS)
     for name in [name for name, one in deck.springs.items() if one.axes is None]:
@@ -158,9 +192,11 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
     return deck
 
 
-def _abaqus_spring(deck: Deck, name: str, elements: Sequence[tuple[str, list[int]]], rows: Sequence[Row], turned: bool) -> None:
+def _abaqus_spring(
+    deck: Deck, name: str, springs: Sequence[tuple[int, str, list[int]]], rows: Sequence[Row], turned: bool
+) -> None:
     """Grounded in one freedom, between two nodes in the same one, or from one to the other."""
-    for kind, (tag, *ends) in elements:
+    for tag, kind, ends in springs:
         own, axes = f"{name.lstrip('*')} {tag}", None
         if kind == "SPRINGA":
             line = deck.points[ends[1]] - deck.points[ends[0]]
@@ -242,25 +278,36 @@ def _join(deck: Deck, keyword: str, o: Mapping[str, str], rows: Sequence[Row], s
     own = o.get("CONSTRAINT NAME", o.get("NAME", o.get("SURFACE", "")))
     word = "COUPLING" if keyword in ("KINEMATIC", "DISTRIBUTING") else keyword
     name = f"{word} {own or 1 + sum(each.startswith(word) for each in (*deck.equations, *deck.links, *deck.means))}"
-    lost = len(deck.lost)
-    try:
-        if asked := [f"{key}={o[key]}".rstrip("=") for key in UNREAD if o.get(key, "UNIFORM") != "UNIFORM"]:
-            raise ValueError(f"{', '.join(asked)} is not known here")
-        if keyword == "EQUATION":
-            deck.equate(keyword, keyword, list(_equations(deck, rows)))
-        elif keyword == "MPC":
-            for kind, *ends in rows:
-                _multi_point(deck, name, kind.upper(), [_several(deck, end) for end in ends if end])
-        elif keyword == "TIE":
-            for slave, master, *_ in rows:
-                _tie(deck, name, o, surfaces[slave.upper()], surfaces[master.upper()])
-        else:
-            _couple(deck, keyword, name, o, rows, surfaces)
-    except (KeyError, IndexError, ValueError) as error:
-        del deck.lost[lost:]
-        problem = f"{error} of it is not here" if isinstance(error, KeyError) else str(error)
-        problem = "a row of it cannot be read" if isinstance(error, IndexError) or "literal" in problem else problem
-        deck.lose(f"*{name}", f"{problem}, and {len(rows)} row{'s' * (len(rows) > 1)} of it with that")
+    single = [[row] for row in rows if any(row)]  # one that cannot be read loses no other
+    for some in _apart(rows) if keyword == "EQUATION" else single if keyword in ("MPC", "TIE") else [rows]:
+        lost = len(deck.lost)
+        try:
+            if asked := [f"{key}={o[key]}".rstrip("=") for key in UNREAD if o.get(key, "UNIFORM") != "UNIFORM"]:
+                raise ValueError(f"{', '.join(asked)} is not known here")
+            if keyword == "EQUATION":
+                deck.equate(keyword, keyword, list(_equations(deck, some)))
+            elif keyword == "MPC":
+                _multi_point(deck, name, some[0][0].upper(), [_several(deck, end) for end in some[0][1:] if end])
+            elif keyword == "TIE":
+                _tie(deck, name, o, *(surfaces[one.upper()] for one in some[0][:2]))
+            else:
+                _couple(deck, keyword, name, o, some, surfaces)
+        except (KeyError, IndexError, ValueError) as error:
+            del deck.lost[lost:]
+            problem = f"{error} of it is not here" if isinstance(error, KeyError) else str(error)
+            problem = "a row of it cannot be read" if isinstance(error, IndexError) or "literal" in problem else problem
+            deck.lose(f"*{name}", f"{problem}, and {len(some)} row{'s' * (len(some) > 1)} of it with that")
+
+
+def _apart(rows: Sequence[Row]) -> Iterator[Sequence[Row]]:
+    """Rows of one equation after the other, each of which begins with how many terms it has; all that are left if it does not."""
+    start = 0
+    while start < len(rows):
+        count, stop, words = rows[start][0], start + 1, 0
+        while stop < len(rows) and (not count.isdigit() or words < 3 * int(count)):
+            words, stop = words + sum(map(bool, rows[stop])), stop + 1
+        yield rows[start:stop]
+        start = stop
 
 
 def _several(deck: Deck, who: str) -> list[int]:
@@ -268,20 +315,16 @@ def _several(deck: Deck, who: str) -> list[int]:
 
 
 def _equations(deck: Deck, rows: Sequence[Row]) -> Iterator[Sum]:
-    """Each begins with how many terms it has; sets stand for as many equations as they have nodes."""
-    left = iter(rows)
-    for first in left:
-        words, count = list[str](), int(first[0])
-        while len(words) < 3 * count:
-            if (row := next(left, None)) is None:
-                raise ValueError("an equation ends before its last term")
-            words += [word for word in row if word]
-        nodes = [_several(deck, words[k]) for k in range(0, 3 * count, 3)]
-        ways, factors = ([int(word) - 1 for word in words[1::3]], [real(word) for word in words[2::3]])
-        if not all(0 <= way < 6 for way in ways):
-            raise ValueError("a freedom that is none of motion")
-        for k in range(max(map(len, nodes))):
-            yield tuple((f, own[k if len(own) > 1 else 0], way) for f, own, way in zip(factors, nodes, ways, strict=True))
+    """As many as its sets have nodes."""
+    words, count = [word for row in rows[1:] for word in row if word], int(rows[0][0])
+    if len(words) < 3 * count:
+        raise ValueError("an equation ends before its last term")
+    nodes = [_several(deck, words[k]) for k in range(0, 3 * count, 3)]
+    ways, factors = ([int(word) - 1 for word in words[1::3]], [real(word) for word in words[2::3]])
+    if not all(0 <= way < 6 for way in ways):
+        raise ValueError("a freedom that is none of motion")
+    for k in range(max(map(len, nodes))):
+        yield tuple((f, own[k if len(own) > 1 else 0], way) for f, own, way in zip(factors, nodes, ways, strict=True))
 
 
 def _multi_point(deck: Deck, name: str, kind: str, ends: Sequence[list[int]]) -> None:
@@ -305,7 +348,7 @@ def _couple(
     deck: Deck, keyword: str, name: str, o: Mapping[str, str], rows: Sequence[Row], surfaces: Mapping[str, Surface]
 ) -> None:
     """Nodes of a surface ride on a node, or that follows their mean motion by the areas that they carry."""
-    carrier = _several(deck, o.get("REF NODE", o.get("REFNODE", "")))
+    carrier = _several(deck, ref) if (ref := o.get("REF NODE", o.get("REFNODE", ""))) else []
     if len(carrier) != 1:
         raise ValueError("it has no reference node")
     told, weights = [[word for word in row if word] for row in rows], surfaces[o["SURFACE"].upper()].weights()

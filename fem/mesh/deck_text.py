@@ -23,11 +23,28 @@ class Line(NamedTuple):
 
 def real(text: str) -> float:
     """``1.5-3`` is 1.5e-3 in Nastran; nothing is zero."""
-    text = text.strip().upper().replace("D", "E")
-    if not text:
-        return 0.0
-    cut = max(text.rfind("+"), text.rfind("-"))
-    return float(f"{text[:cut]}E{text[cut:]}" if cut > 0 and "E" not in text else text)
+    text = text.strip()
+    try:
+        return float(text or 0.0)
+    except ValueError:
+        if not (found := re.fullmatch(r"([-+]?(?:\d+\.?\d*|\.\d+))(?:[ED]?([-+]\d+)|[ED](\d+))", text, re.IGNORECASE)):
+            raise ValueError(f"{text} stands where a number should") from None
+    return float(f"{found[1]}e{found[2] or found[3]}")
+
+
+class NotThere(LookupError):
+    """A deck names the number of a node, or a set of nodes, and has none."""
+
+    def __init__(self, what: int | str) -> None:
+        super().__init__(what)
+        self.what = what
+
+
+class Points(dict[int, Array]):
+    """Where nodes are, by their numbers; `NotThere` of one that is not."""
+
+    def __missing__(self, node: int) -> Array:
+        raise NotThere(node)
 
 
 LARGEST_FILE = 2 * 2**30
@@ -53,6 +70,22 @@ def deck_lines(path: Path) -> Iterator[Line]:
     BadInput : an included file that is not there, or that includes itself; see `flat`.
     """
     return flat(_abaqus_lines(path, ())) if path.suffix.lower() == ".inp" else _nastran_lines(path, ())
+
+
+def naming(path: Path, what: int | str, carries: Callable[[str], bool]) -> tuple[Line, str]:
+    """The line of a deck that first names a node or a set in what `carries` by its card or keyword, which comes with it."""
+    card, of_nastran = "", path.suffix.lower() != ".inp"
+    for line in deck_lines(path):
+        text = line.text.upper().partition("$")[0] if of_nastran else line.text.upper()
+        if of_nastran and text[:1].isalpha():
+            card = re.split(r"[\s,*]", text[:8])[0]
+        elif not of_nastran and text.startswith("*"):
+            card, options = keyword_of(text)
+            card = options.get("TYPE", card) if card == "ELEMENT" else card
+        words = re.split(r"[\s,*+]+", text) if of_nastran else [word.strip() for word in re.split("[,=]", text)]
+        if carries(card) and str(what).upper() in words[2 * (text[:1].isalpha() and of_nastran) :]:  # behind card and number
+            return line, card
+    return Line("", path, 0), "it"
 
 
 def _abaqus_lines(path: Path, within: tuple[Path, ...]) -> Iterator[Line]:
@@ -315,12 +348,11 @@ def _assembled(assembly: list[_Block], parts: Mapping[str, list[_Block]], places
             yield from placed([block], instance, instance.named, instance.named)
         else:  # a set of the assembly keeps its name; numbers are those of the instance that it names, or of the assembly
             of = places.get(block.options.get("INSTANCE", "").upper(), _Place(name="", offset=0, alone=True))
+            inner = of.named if "INSTANCE" in block.options else of.number  # whose sets it names
             of = replace(of, alone=True, turn=np.eye(3), shift=np.zeros(3))
             rows = [row._replace(text=_referring(row.text, places)) for row in block.rows]
             other = block if block.keyword in (*COUNTED, *NAMING) else replace(block, rows=rows)
-            yield from placed(
-                [other], of, partial(_referring, places=places), partial(_meant, places=places, otherwise=of.number)
-            )
+            yield from placed([other], of, partial(_referring, places=places), partial(_meant, places=places, otherwise=inner))
 
 
 # Coordinate systems of Nastran: where grid points stand, and which way their freedoms point.

@@ -34,6 +34,9 @@ _LINK = ("at", "nodes", "directions", "mean_of", "weights", "rotations")
 _OPEN = ("Iyz", "neutral_axis", "shear")
 """What a section with an area, Iy, Iz and J may have beside."""
 
+UNIT = 1e-3
+"""[1] Relative difference of two units of length that are one, by their rounding. By definition."""
+
 SOFT = 1e-9
 """[1] Share of the greatest stiffness of layers below which they have none some way in their plane. By definition."""
 
@@ -243,9 +246,13 @@ class MeshDescription:
 
         Raises
         ------
-        BadInput : see `files.read`.
+        BadInput : see `files.read`; it states another unit itself.
         """
-        return files.read(self.file, {card.strip("*").upper() for card in self.left_out}.__contains__)
+        found = files.read(self.file, {card.strip("*").upper() for card in self.left_out}.__contains__)
+        if found.unit and abs(found.unit / self.length - 1) > UNIT:
+            problem = f"is {self.length:g} m, and {self.file.name} itself says {found.unit:g} m (dataset 164)"
+            raise self.refused("units", problem, "Correct it, or take that dataset out")
+        return found
 
     def refused(self, field: str, problem: str, remedy: str) -> BadInput:
         """The refusal of a key below ``fe_model``."""

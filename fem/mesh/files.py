@@ -70,6 +70,7 @@ class MeshFile:
     node_groups : indices of nodes by name, of sets of nodes; groups of elements have their nodes beside
     coordinates : systems and grid points as a deck of Nastran writes them; None of others
     called : names that comments of such a deck give its properties, by their numbers
+    unit : [m] of its coordinates, where it states that and it is no metre, which many write who do not know; else 0
     """
 
     source: str
@@ -80,6 +81,7 @@ class MeshFile:
     node_groups: Mapping[str, Integers] = field(default_factory=dict)
     coordinates: Coordinates | None = None
     called: Mapping[str, str] = field(default_factory=dict)
+    unit: float = 0.0
 
     @property
     def names(self) -> list[str]:
@@ -148,12 +150,13 @@ class _Raw:
     loose: Mapping[int, npt.NDArray[np.bool_]] = field(default_factory=dict)
     coordinates: Coordinates | None = None
     called: Mapping[str, str] = field(default_factory=dict)
+    unit: float = 0.0
 
     def numbered(self, source: str) -> MeshFile:
         tags = np.array(sorted(self.nodes), dtype=np.intp)
         cells, where = {}, {}
         for kind, elements in self.elements.items():
-            wanted = 1 if kind == POINT else int(kind.lstrip("abcdefghijklmnopqrstuvwxyz"))
+            wanted = _count(kind)
             short = [tag for tag, nodes in elements.items() if len(nodes) != wanted]
             if short:
                 problem = f"element {short[0]} has {len(elements[short[0]])} nodes where a {kind} has {wanted}"
@@ -180,16 +183,11 @@ class _Raw:
         groups: dict[str, dict[str, Integers]] = {}
         for name, members in self.groups.items():
             by_kind: dict[str, list[int]] = {}
-            for tag in dict.fromkeys(members):
-                if tag in where:
-                    by_kind.setdefault(where[tag][0], []).append(where[tag][1])
+            for kind, index in filter(None, map(where.get, dict.fromkeys(members))):
+                by_kind.setdefault(kind, []).append(index)
             if by_kind:
                 groups[name] = {kind: np.array(index, dtype=np.intp) for kind, index in by_kind.items()}
-        place = {tag: index for index, tag in enumerate(tags.tolist())}
-        sets = {
-            name: np.unique([place[tag] for tag in members if tag in place]).astype(np.intp)
-            for name, members in self.node_groups.items()
-        }
+        sets = {name: np.flatnonzero(np.isin(tags, members)) for name, members in self.node_groups.items()}
         points = np.array([self.nodes[tag] for tag in tags.tolist()], dtype=np.float64).reshape(-1, 3)
         return MeshFile(
             source=source,
@@ -200,7 +198,13 @@ class _Raw:
             node_groups={name: members for name, members in sets.items() if len(members)},
             coordinates=self.coordinates,
             called=self.called,
+            unit=self.unit,
         )
+
+
+def _count(kind: str) -> int:
+    """Of the nodes of an element."""
+    return int(kind.lstrip("abcdefghijklmnopqrstuvwxyz") or 1)
 
 
 def _stated(elements: Mapping[int, Any], table: Mapping[int, npt.NDArray[Any]], fill: float) -> npt.NDArray[Any] | None:
@@ -233,7 +237,8 @@ _ABAQUS_CARRIES = (
     *("MASS", "ROTARY INERTIA", "NONSTRUCTURAL MASS", "SPRING", "DASHPOT", "NODAL THICKNESS"),
     *("TIE", "MPC", "EQUATION", "RIGID BODY", "KINEMATIC COUPLING", "DISTRIBUTING COUPLING", "COUPLING"),
     *("CONTACT PAIR", "FASTENER", "SHELL TO SOLID COUPLING", "EMBEDDED ELEMENT", "CYCLIC SYMMETRY MODEL"),
-    *("PRE-TENSION SECTION", "DISTRIBUTING"),
+    *("PRE-TENSION SECTION", "DISTRIBUTING", "RELEASE", "FOUNDATION", "BEAM ADDED INERTIA", "MODEL CHANGE", "IMPERFECTION"),
+    *("CONTACT", "CONTACT INCLUSIONS", "CONNECTOR SECTION", "GAP", "JOINT", "MATRIX ASSEMBLE", "REBAR"),
 )
 """Keywords that weigh, hold or join, and are not read."""
 LOOSE = {
@@ -260,7 +265,7 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
     groups: dict[str, list[int]] = {}
     node_groups: dict[str, list[int]] = {}
     spelt: dict[tuple[str, str], str] = {}  # a set is called as it is first, whatever capitals it has afterwards
-    keyword, options, kind, pending = "", dict[str, str](), "", list[int]()
+    keyword, options, kind, pending, towards = "", dict[str, str](), "", list[int](), dict[int, tuple[int, int]]()
     for line in deck_lines(path):
         text = line.text.strip()
         if text.startswith("*"):
@@ -289,7 +294,7 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
             continue
         fields = [field.strip() for field in text.split(",")]
         if keyword == "NODE":
-            x, y, z = (real([*fields, "", "", ""][n]) for n in (1, 2, 3))
+            x, y, z = map(real, [*fields, "", "", ""][1:4])
             _once(nodes, int(fields[0]), (x, y, z), str(path))
             if "NSET" in options:
                 node_groups.setdefault(options["NSET"], []).append(int(fields[0]))
@@ -298,6 +303,8 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
             if text.endswith(","):
                 continue
             tag, *own = pending
+            if kind == "line2" and len(own) == 3:  # the last tells the first axis of its section
+                towards[tag] = own[0], own.pop()
             _once(elements.setdefault(kind, {}), tag, own[::2] + own[1::2] if kind == "line3" else own, str(path))
             pending = []
             if "ELSET" in options:
@@ -306,7 +313,7 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
             table = node_groups if keyword == "NSET" else groups
             members = table.setdefault(options.get(keyword, ""), [])
             if "GENERATE" in options:
-                start, stop, step = (int(field) for field in ([field for field in fields if field] + ["1"])[:3])
+                start, stop, step = map(int, [*filter(None, fields), "1"][:3])
                 members += range(start, min(stop, start + 5_000_000) + 1, max(step, 1))
                 continue
             for field in fields:
@@ -314,7 +321,8 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
                     members.append(int(field))
                 elif field:
                     members += table.get(spelt.get((keyword, field.upper()), field), [])
-    return _Raw(nodes=nodes, elements=elements, groups=groups, node_groups=node_groups)
+    axes = {tag: np.subtract(nodes[to], nodes[one]) for tag, (one, to) in towards.items()}
+    return _Raw(nodes=nodes, elements=elements, groups=groups, node_groups=node_groups, axes=axes)
 
 
 def _once(table: dict[int, Any], tag: int, value: Any, source: str) -> None:
@@ -364,16 +372,13 @@ def _nastran(path: Path, left_out: LeftOut) -> _Raw:
             tag, group, kinds, begin = int(fields[0]), fields[1] or fields[0], NASTRAN[card], 2
             if card == "CONROD":  # material and area stand in it instead of a property
                 group, begin = own_property(fields), 1
-            most = max(int(kind.lstrip("abcdefghijklmnopqrstuvwxyz")) for kind in kinds)
+            most = max(map(_count, kinds))
             own = [int(field) for field in fields[begin : begin + most] if field]
-            kind = next(
-                (kind for kind in kinds if kind.endswith(str(len(own))) and not kind[-len(str(len(own))) - 1].isdigit()), ""
-            )
+            kind = next((kind for kind in kinds if _count(kind) == len(own)), "")
             if not kind:
                 problem = f"the {card} {tag} has {len(own)} nodes"
                 raise BadInput(source=str(path), field=card, problem=problem, remedy=f"It is read as {' or '.join(kinds)}")
-            order = _MIDDLES_LAST.get(kind, range(len(own)))
-            _once(elements.setdefault(kind, {}), tag, [own[n] for n in order], str(path))
+            _once(elements.setdefault(kind, {}), tag, [own[n] for n in _MIDDLES_LAST.get(kind, range(len(own)))], str(path))
             groups.setdefault(group, []).append(tag)
             if card in ("CBAR", "CBEAM") or (kind in SHELLS and any(fields[begin + most :])):
                 stating.append((card, kind, fields))
@@ -554,13 +559,15 @@ def _cards(path: Path) -> Iterator[list[str]]:
         if not text or not begun:
             continue
         first = text.split(",")[0][:8].strip()
+        large = "*" in first[:1] + first[-1:]
         if "," in text:
-            fields = [field.strip() for field in text.split(",")]
-            fields = [fields[0], *(fields[1:9] + 8 * [""])[:8]]
-        elif first.endswith("*"):
-            fields = [first, *(text[n : n + 16].strip() for n in range(8, 72, 16))]
+            fields, width = [field.strip() for field in text.split(",")], 5 if large else 9
+            if any(fields[width + 1 :]) or re.match(r"[-.\d]", fields[width] if fields[width:] else ""):
+                raise refused(f"line {line.number} has more fields than the {width - 1} of a line")
+            fields = [*fields, *8 * [""]][:width]
         else:
-            fields = [first, *(text[n : n + 8].strip() for n in range(8, 72, 8))]
+            width = 16 if large else 8
+            fields = [first, *(text[n : n + width].strip() for n in range(8, 72, width))]
         follows = fields[0][:1] in ("", "+") or (fields[0].startswith("*") and bool(card))
         if mark and not (follows and fields[0][1:] in ("", mark)):
             raise refused(f"line {line.number} is {first!r}, where the one before is continued by +{mark}")
@@ -583,7 +590,7 @@ def _cards(path: Path) -> Iterator[list[str]]:
         yield card
 
 
-# Universal files: datasets 2411 (nodes), 2412 (elements) and 2467, 2477, 2452, 2435 (groups).
+# Universal files: datasets 164 (units), 2420 (axes), 2411 (nodes), 2412 (elements) and 2467, 2477, 2452, 2435 (groups).
 
 _UNIVERSAL = {
     "line2": (11, 21, 22),
@@ -617,11 +624,23 @@ def _universal(path: Path) -> _Raw:
     elements: Elements = {}
     groups: dict[str, list[int]] = {}
     node_groups: dict[str, list[int]] = {}
+    unit, askew = 0.0, set[str]()
     for number, lines in _datasets(path):
-        if number == 2411:
+        if number == 164:
+            per_metre = real(lines[1].split()[0])
+            unit = 1 / per_metre if per_metre not in (0.0, 1.0) else 0.0
+        elif number == 2420:  # of each its number and kind, its name, three axes and where they begin
+            for head, *rows in zip(*(lines[k::6] for k in (2, 4, 5, 6, 7)), strict=False):
+                axes = np.array([[real(word) for word in row.split()] for row in rows])
+                askew |= {head.split()[0]} if head.split()[1] != "0" or np.any(axes != np.eye(4, 3)) else set()
+        elif number == 2411:
             for head, place in zip(lines[::2], lines[1::2], strict=False):
-                x, y, z = (float(word) for word in place.upper().replace("D", "E").split())
-                _once(nodes, int(head.split()[0]), (x, y, z), str(path))
+                node, system, *_ = head.split()
+                if system in askew:
+                    problem = f"node {node} is in the system {system}, which dataset 2420 turns, moves or makes round"
+                    raise BadInput(source=str(path), field="2411", problem=problem, remedy="Write nodes in global axes")
+                x, y, z = map(real, place.split())
+                _once(nodes, int(node), (x, y, z), str(path))
         elif number == 2412:
             rest = iter(lines)
             for head in rest:
@@ -632,9 +651,10 @@ def _universal(path: Path) -> _Raw:
                 while len(own) < count and (line := next(rest, None)) is not None:
                     own += [int(word) for word in line.split()]
                 if code not in _UNIVERSAL_KINDS:
-                    problem = f"elements of type {code} are not known"
                     remedy = f"Known are {', '.join(map(str, sorted(_UNIVERSAL_KINDS)))}"
-                    raise BadInput(source=str(path), field="2412", problem=problem, remedy=remedy)
+                    raise BadInput(
+                        source=str(path), field="2412", problem=f"elements of type {code} are not known", remedy=remedy
+                    )
                 kind = _UNIVERSAL_KINDS[code]
                 _once(elements.setdefault(kind, {}), tag, [own[n] for n in _ROUND.get(kind, range(count))], str(path))
         elif number in (2435, 2452, 2467, 2477):
@@ -646,7 +666,7 @@ def _universal(path: Path) -> _Raw:
                 for code, tag in zip(words[::4], words[1::4], strict=False):
                     table = node_groups if code == 7 else groups
                     table.setdefault(name, []).append(tag)
-    return _Raw(nodes=nodes, elements=elements, groups=groups, node_groups=node_groups)
+    return _Raw(nodes=nodes, elements=elements, groups=groups, node_groups=node_groups, unit=unit)
 
 
 def _datasets(path: Path) -> Iterator[tuple[int, list[str]]]:
@@ -698,9 +718,7 @@ def _through_gmsh(path: Path) -> MeshFile:
             problem = f"gmsh has not finished with it after {TIME_LIMIT / 60:g} minutes"
             raise BadInput(source=source, problem=problem, remedy=_AGAIN) from None
         if not answer.is_file():
-            words = ([line for line in run.stderr.splitlines() if line.strip()] or [f"its process ended with {run.returncode}"])[
-                -1
-            ]
+            *_, words = (f"its process ended with {run.returncode}", *filter(str.strip, run.stderr.splitlines()))
             raise BadInput(source=source, problem=f"gmsh cannot read it ({words.strip()[:200]})", remedy=_AGAIN)
         with np.load(answer, allow_pickle=False) as arrays:
             return _unpacked(dict(arrays), source)
@@ -719,10 +737,8 @@ def _work(path: str, answer: str) -> None:
             named = [gmsh.model.getPhysicalName(entity[0], group).strip("\0 ") or str(group) for group in groups]
             for code, elements, nodes in zip(*mesh.getElements(*entity), strict=True):
                 key = str(len(blocks))
-                arrays |= {
-                    f"elements/{key}": elements.astype(np.int64),
-                    f"nodes/{key}": np.reshape(nodes, (len(elements), -1)).astype(np.int64),
-                }
+                arrays[f"elements/{key}"] = elements.astype(np.int64)
+                arrays[f"nodes/{key}"] = np.reshape(nodes, (len(elements), -1)).astype(np.int64)
                 blocks.append("\n".join([str(code), *dict.fromkeys(named)]))
         arrays["blocks"] = np.array(blocks, dtype=np.str_)
     np.savez(answer, allow_pickle=False, **arrays)
@@ -752,14 +768,10 @@ def _unpacked(arrays: Mapping[str, np.ndarray], source: str) -> MeshFile:
         nodes = np.vstack([block[1] for block in blocks])
         at = np.minimum(np.searchsorted(tags, nodes), max(len(tags) - 1, 0))
         if not len(tags) or np.any(tags[at] != nodes):
-            raise BadInput(
-                source=source, field="elements", problem="elements have nodes that the file does not hold", remedy=_AGAIN
-            )
+            problem = "elements have nodes that the file does not hold"
+            raise BadInput(source=source, field="elements", problem=problem, remedy=_AGAIN)
         cells[kind] = Cells(kind=kind, tags=np.concatenate([block[0] for block in blocks]), nodes=at.astype(np.intp))
-    named = {
-        name: {kind: np.unique(np.concatenate(index)).astype(np.intp) for kind, index in by.items()}
-        for name, by in groups.items()
-    }
+    named = {name: {kind: np.unique(np.concatenate(own)) for kind, own in by.items()} for name, by in groups.items()}
     return MeshFile(source=source, node_tags=tags, points=points, cells=cells, groups=named)
 
 

@@ -18,7 +18,7 @@ from geometry.toml_file import LARGEST_QUANTITY, is_number, quantity
 # agree when M_SI = m L² M / (s_i s_j), K_SI = m L² / T² K / (s_i s_j) and C_SI = m L² / T C / (s_i s_j). A generalised
 # coordinate has no unit of its own; s = L m^0.5 leaves modes that are normalised to unit mass so.
 
-KNOWN = ("m-kg-N-s", "mm-t-N-s", "mm-kg-mN-s", "mm-kg-kN-ms", "in-lbf-s", "ft-lbf-s")
+KNOWN = ("m-kg-N-s", "mm-t-N-s", "mm-kg-mN-s", "mm-kg-kN-ms", "m-t-kN-s", "in-lbf-s", "ft-lbf-s")
 """Systems that a message may propose; any other one that pint can read and that is consistent does as well."""
 
 UNKNOWN = "consistent"

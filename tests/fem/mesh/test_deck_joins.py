@@ -201,7 +201,7 @@ def test_the_node_of_a_mean_may_be_held(tmp_path: Path) -> None:
 def test_equations_hold_as_they_are_written(tmp_path: Path) -> None:
     """MPC, chained, in two sets that another adds up, and beside one that the case control does not call."""
     cards = "MPC,7,11,1,1.,3,1,-1.\nMPC,7,11,2,2.,3,2,-1.,,\n,,2,2,-1.\nMPC,8,3,3,1.,12,3,-.5,,\n,,11,3,-.25\nMPCADD,9,7,8\n"
-    case, more = "SOL 103\nCEND\nMPC = 9\nBEGIN BULK\n", "MPC,1,2,3,1.,12,3,1.\nMPC,8,11,4,1.,3,5,2.,,\n,,2,3,.01\n"
+    case, more = "SOL 103\nCEND\nSPC = 1\nMPC = 9\nBEGIN BULK\n", "MPC,1,2,3,1.,12,3,1.\nMPC,8,11,4,1.,3,5,2.,,\n,,2,3,.01\n"
     rows: list[Constraint] = [
         {(11, 1): 1.0, (3, 1): -1.0},
         {(11, 2): 2.0, (3, 2): -1.0, (2, 2): -1.0},
@@ -324,7 +324,6 @@ def test_springs_act_along_the_axes_of_their_nodes_or_from_one_to_the_other(tmp_
         ("CBUSH,7,8,3,11", "CBUSH 7: which way it is turned is neither stated nor told by its nodes"),
         ("CBUSH,7,8,3,11,,,,0,.5,3", "CBUSH 7: it lies beside the line between its nodes (OCID)"),
         ("CBUSH,7,9,3,11", "CBUSH 7: no PBUSH with K"),
-        ("CBUSH,7,8,3,77", "CBUSH 7: it stands at a node that is not there"),
     ],
 )
 def test_a_bush_that_is_turned_nobody_knows_how_is_lost(cards: str, words: str, tmp_path: Path) -> None:
@@ -385,6 +384,13 @@ TIED = "*TIE, NAME=GLUE, POSITION TOLERANCE=1.\nBEGIN, END\n"
 
 HUB = f"{TIED}*COUPLING, REF NODE=9000, SURFACE=TIP, CONSTRAINT NAME=HUB\n"
 
+LINE = (80.0, -2.05, -2.5)
+"""[mm] from node 30 of the first block to node 1060 of the second."""
+
+APART = "*EQUATION\n6\n" + ",\n".join(
+    f"{node}, {way}, {sign * LINE[way - 1]}" for node, sign in ((1060, 1), (30, -1)) for way in (1, 2, 3)
+)
+
 JOINS = {
     "tie": (TIED, (3, 2, 2)),
     "tie of other meshes": (TIED, (3, 3, 4)),
@@ -393,6 +399,7 @@ JOINS = {
         "*RIGID BODY, NSET=BEGIN, REF NODE=9000, ROT NODE=9001\n*RIGID BODY, NSET=END, REF NODE=9000, ROT NODE=9001\n",
         (3, 2, 2),
     ),
+    "as far apart": (f"{TIED}{APART}\n", (3, 2, 2)),
     "equations": (
         f"{TIED}*EQUATION\n3\n1060, 3, 1., 1090, 3, -.5, 40, 2, .25\n*EQUATION\n2\n1090, 2, 1., 30, 1, 1.\n",
         (3, 2, 2),
@@ -411,6 +418,13 @@ def test_calculix_has_the_same_frequencies(name: str, tmp_path: Path) -> None:
     rows = (line.split() for line in (tmp_path / "deck.dat").read_text().splitlines())
     theirs = np.array([float(row[3]) for row in rows if len(row) == 5 and row[0].isdigit()])[: len(found)]
     np.testing.assert_allclose(found, theirs, rtol=3e-5)
+
+
+def test_a_rigid_body_of_two_nodes_of_solids_keeps_their_distance(tmp_path: Path) -> None:
+    """An equation along their line says the same, with which CalculiX has the same frequencies."""
+    wanted = of(held(tmp_path, blocks(*JOINS["as far apart"]), "deck.inp")[0])
+    found = of(held(tmp_path, blocks(f"{TIED}*MPC\nBEAM, 1060, 30\n"), "deck.inp")[0])
+    np.testing.assert_allclose(found, wanted, rtol=1e-8)
 
 
 def test_a_tie_of_equal_meshes_is_their_nodes_one_by_one(tmp_path: Path) -> None:
@@ -508,6 +522,7 @@ def test_points_are_joined_as_abaqus_joins_them(kind: str, ways: str, tmp_path: 
             "*TIE, NAME=GLUE\nTIP, END\n",
             "*TIE GLUE: none of its 21 nodes lies within 0.707 of the other surface, and 1 row of it",
         ),
+        ("*RIGID BODY, PIN NSET=TIP, REF NODE=9000\n", "*RIGID BODY: it has no reference node, or no NSET, ELSET or TIE NSET"),
         ("*TIE, NAME=GLUE\nBEGIN, NOWHERE\n", "*TIE GLUE: 'NOWHERE' of it is not here, and 1 row of it with that"),
         ("*MPC\nSLIDER, 1060, 30, 31\n", "*MPC 1: MPC of type SLIDER are not known here, and 1 row of it with that"),
         ("*EQUATION\n2\n1060, 11, 1., 30, 1, -1.\n", "*EQUATION 1: a freedom that is none of motion, and 2 rows of it"),
@@ -537,26 +552,108 @@ def test_what_cannot_be_joined_is_said_with_its_count(joins: str, words: str, tm
 
 
 @pytest.mark.parametrize(
-    ("cards", "lost"),
+    ("cards", "words"),
     [
-        ("RBE2,6,21,123456,3\nRBE2,7,21,123456,11,9999", "RBE2 7: it stands at a node that is not there"),
-        ("RBE2,6,3,123456,11\nMPC,1,13,1,1.,777,1,-1.", "MPC: it stands at a node that is not there"),
+        ("RBE2,6,21,123456,3\nRBE2,7,21,123456,11,9999", "`line 17`: RBE2 names node 9999, which is not there"),
+        ("RBE2,6,3,123456,11\nMPC,1,13,1,1.,777,1,-1.", "`line 17`: MPC names node 777"),
+        ("RBAR    7       3       777", "`line 16`: RBAR names node 777"),
+        ("$ CONM2,7,777\nCONM2,777,3,,1.\nCONM2,8,777,,1.", "`line 18`: CONM2 names node 777"),
+        ("SPC1,1,123,3,777", "`line 16`: SPC1 names node 777"),
+        ("RBE3,7,,21,123456,1.,123,3,11\n,777", "`line 17`: RBE3 names node 777"),
+        ("PBUSH,8,K,1.,2.,3.\nCBUSH,7,8,3,777", "`line 17`: CBUSH names node 777"),
     ],
 )
-def test_a_deck_that_joins_nodes_that_are_not_there_is_refused_by_its_cards(cards: str, lost: str, tmp_path: Path) -> None:
-    """The first was a traceback; the second was said, and its equations were left out of a model that was read."""
+def test_a_deck_that_joins_or_holds_nodes_that_are_not_there_is_refused_with_its_line(
+    cards: str, words: str, tmp_path: Path
+) -> None:
+    """All equations had been lost with one, and what held a node that is not there was passed over."""
     (tmp_path / "deck.bdf").write_text(f"{BOTH}{grids(21)}{cards}\nENDDATA\n")
-    text, said = deck.described(tmp_path / "deck.bdf", "mm-t-N-s")
-    assert lost in said
-    (tmp_path / "deck.toml").write_text(text)
-    with pytest.raises(BadInput, match=f"{lost[:3]}.* is not read, and what it weighs, holds or joins would be lost"):
-        reading.read(tmp_path / "deck.toml")
+    with pytest.raises(BadInput, match=words):
+        deck.described(tmp_path / "deck.bdf", "mm-t-N-s")
 
 
-def test_a_second_rigid_body_without_nodes_is_said_to_be_lost(tmp_path: Path) -> None:
-    body = "*RIGID BODY, NSET={}, REF NODE=9000\n"
-    (tmp_path / "deck.inp").write_text(blocks(f"{TIED}{body.format('TIP')}{body.format('NOBODY')}"))
-    assert deck.described(tmp_path / "deck.inp", "mm-t-N-s")[1] == ("RIGID BODY NOBODY: it stands at a node that is not there",)
+def test_a_range_may_name_nodes_that_are_not_there(tmp_path: Path) -> None:
+    more = "SPC1,1,456,777,THRU,9999\nSPC1,1,13,4,THRU,12\n"
+    found = of(held(tmp_path, f"{BOTH}{LINK}{more}ENDDATA\n")[0])
+    single = of(held(tmp_path, f"{BOTH}{LINK}SPC1,1,13,11\n".replace("RBE2", "SPC1,1,13,12\nRBE2") + "ENDDATA\n")[0])
+    np.testing.assert_array_equal(found, single)
+
+
+@pytest.mark.parametrize(
+    ("cards", "words"),
+    [
+        ("*RIGID BODY, NSET=NOBODY, REF NODE=9000\n", "`line 400`: RIGID BODY names the set NOBODY, which is not there"),
+        ("*BOUNDARY\nNOBODY, 1, 3\n", "`line 401`: BOUNDARY names the set NOBODY"),
+        ("*BOUNDARY\n** a note\n7777, 1, 3\n", "`line 402`: BOUNDARY names node 7777"),
+        ("*EQUATION\n2\n7777, 1, 1., 30, 1, -1.\n", "`line 402`: EQUATION names node 7777"),
+        ("*ELEMENT, TYPE=MASS, ELSET=M\n9, 7777\n*MASS, ELSET=M\n1.\n", "`line 401`: MASS names node 7777"),
+        ("*MPC\nBEAM, 30, 7777\n", "`line 401`: MPC names node 7777"),
+    ],
+)
+def test_keywords_that_name_nodes_that_are_not_there_are_refused_with_their_line(cards: str, words: str, tmp_path: Path) -> None:
+    """A foot that no set has held nothing, and nobody said so."""
+    (tmp_path / "deck.inp").write_text(blocks(f"{TIED}** 9000\n{cards}"))
+    with pytest.raises(BadInput, match=words):
+        deck.described(tmp_path / "deck.inp")
+
+
+def test_an_equation_that_cannot_be_read_takes_no_other_with_it(tmp_path: Path) -> None:
+    equation = "2\n1060, {}, 1., {}, {}, -1.\n"
+    texts = (f"{TIED}*EQUATION\n{more}{equation.format(1, 30, 1)}" for more in ("", equation.format(11, 30, 1)))
+    said, lost = zip(*(described(tmp_path, blocks(text)) for text in texts), strict=True)
+    assert lost == ((), ("*EQUATION 1: a freedom that is none of motion, and 2 rows of it with that",))
+    sums = [text[text.index("[fe_model.equations.") :] for text in said]
+    assert sums[0] == sums[1]
+
+
+def described(folder: Path, text: str) -> tuple[str, tuple[str, ...]]:
+    (folder / "deck.inp").write_text(text)
+    return deck.described(folder / "deck.inp", "mm-t-N-s")
+
+
+BODIES = {
+    "two nodes": [(100, "123456", (60,))],
+    "two by two, in translations": [(100, "123456", (60,)), (91, "123", (111,))],
+    "three on a line": [(93, "123456", (98, 103))],
+    "one carries two": [(100, "123456", (91, 111)), (100, "123456", (60, 70))],
+    "what rides carries more": [(100, "123456", (91, 111, 105)), (91, "123456", (60, 70))],
+    "more than two in a row": [(91, "123456", (60,)), (60, "123456", (30,)), (30, "123456", (77,))],
+    "in some directions": [(100, "12", (60, 70, 80))],
+}
+"""Of a block of solids: the node that carries, the freedoms, the nodes that ride on it."""
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_nodes_of_solids_turn_with_the_rigid_body_that_they_carry(name: str, tmp_path: Path) -> None:
+    """Two nodes spun about their line, and rotations of those that carry were held where another link was."""
+    points, elements = block("A", (3, 2, 2), np.array([20.0, 10.0, 10.0]), np.zeros(3), 1)
+    text = "MAT1,1,210000.,,.3,7.85-9\nPSOLID,1,1\n"
+    text += "".join(f"GRID,{n},,{','.join(map(repr, p.tolist()))}\n" for n, p in points.items())
+    for row in elements.partition("\n")[2].replace(",\n", ",").splitlines():
+        tag, *own = row.replace(" ", "").split(",")
+        own = [*own[:12], *own[16:], *own[12:16]]
+        text += f"CHEXA,{tag},1,{','.join(own[:6])}\n,{','.join(own[6:14])}\n,{','.join(own[14:])}\n"
+    text += f"SPC1,1,123,{chr(10).join(f'{n}' for n, p in points.items() if not p[0])}".replace("\n", "\nSPC1,1,123,") + "\n"
+    rides = "".join(f"RBE2,{k},{a},{ways},{','.join(map(str, own))}\n" for k, (a, ways, own) in enumerate(BODIES[name], 9001))
+    made = held(tmp_path, f"{text}{rides}ENDDATA\n")[0]
+    assert (abs(made.stiffness).max(axis=1).toarray() > 0).all()
+    bare = held(tmp_path, f"{text}ENDDATA\n", "bare.bdf")[0]
+    dof = {n: bare.translations[np.argmin(np.linalg.norm(bare.points - p / 1e3, axis=1))] for n, p in points.items()}
+    size, nodes = len(bare.mass.toarray()), sorted({n for a, _, own in BODIES[name] for n in (a, *own)})
+    where = {n: [*dof[n], *(size + 3 * k + np.arange(3))] for k, n in enumerate(nodes)}  # their rotations behind all
+    rows = []
+    for carrier, ways, own in BODIES[name]:
+        for node in own:
+            arm = (points[node] - points[carrier]) / 1e3
+            T = np.block([[np.eye(3), np.cross(np.eye(3), arm)], [np.zeros((3, 3)), np.eye(3)]])
+            for way in (int(letter) - 1 for letter in ways):
+                rows.append(np.zeros(size + 3 * len(nodes)))
+                rows[-1][where[carrier]] = -T[way]
+                rows[-1][where[node][way]] += 1.0
+    C = np.array(rows) * np.repeat([1.0, 30.0], [size, 3 * len(nodes)])
+    Z = null_space(null_space(C[:, size:].T, rcond=1e-9).T @ C[:, :size], rcond=1e-9)
+    wanted = frequencies(*(Z.T @ one.toarray() @ Z for one in (bare.stiffness, bare.mass)))
+    np.testing.assert_allclose(of(made), wanted, rtol=1e-6)
 
 
 def test_a_link_that_only_turns_what_does_not_turn_is_refused(tmp_path: Path) -> None:

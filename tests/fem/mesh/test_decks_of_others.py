@@ -90,11 +90,18 @@ def test_tabs_stand_for_blanks_up_to_the_next_field(tmp_path: Path) -> None:
     ("was", "now", "words"),
     [
         ("SECTION=RECT", "SECTION=RECT, OFFSET1=0.5", "*BEAM SECTION e: how far it is off its nodes (OFFSET1, OFFSET2)"),
-        ("*BEAM SECTION", "*BEAM GENERAL SECTION", "elements 1, 2: they have no section or property that is known here"),
+        ("*DENSITY", "*DAMPING, ALPHA=3.\n*DENSITY", "*DAMPING of STEEL: what is not STRUCTURAL; state a loss_factor"),
+        ("*BOUNDARY", "*RELEASE\n1, S2, M1-M2\n*BOUNDARY", "*RELEASE: a keyword that is not known here"),
+        (
+            "*BEAM SEC",
+            "*BEAM SECTION, ELSET=E, MATERIAL=STEEL, SECTION=CIRC\n.01\n*BEAM SEC",
+            "a second section of the same elements",
+        ),
     ],
 )
 def test_what_a_section_says_besides_is_lost_with_words(was: str, now: str, words: str, tmp_path: Path) -> None:
-    assert words in told(tmp_path, pinned("1, 6", "").replace(was, now))[2]
+    (lost,) = told(tmp_path, pinned("1, 6", "").replace(was, now))[2]
+    assert words in lost
 
 
 def test_a_shear_modulus_that_is_not_that_of_modulus_and_ratio_is_said(tmp_path: Path) -> None:
@@ -116,23 +123,19 @@ INCHES = "MAT1,1,10.+6,,.33,{rho}\nPSHELL,1,1,.1,1,,1\n{more}" + PLATE.partition
 )
 
 
-@pytest.mark.parametrize(
-    ("units", "words"),
-    [
-        (None, "its units cannot be told: none of .*; in mm-kg-mN-s and in-lbf-s its densities would be weights"),
-        ("in-lbf-s", "its densities are weights, not masses, in in-lbf-s.*PARAM,WTMASS,0.00259"),
-    ],
-)
-def test_weights_for_masses_are_told_with_what_makes_masses_of_them(units: str | None, words: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("units", [None, "in-lbf-s"])
+def test_weights_for_masses_are_told_with_what_makes_masses_of_them(units: str | None, tmp_path: Path) -> None:
     """Aluminium of 0.1 lbf/in³ had weighed 1.07e6 kg/m³ without a word where the units were named."""
     (tmp_path / "deck.bdf").write_text(INCHES.format(rho=".1", more=""))
+    words = "its densities are weights, not masses, in in-lbf-s.*PARAM,WTMASS,0.00259"
     with pytest.raises(BadInput, match=words):
         deck.described(tmp_path / "deck.bdf", units)
     (tmp_path / "deck.bdf").write_text(INCHES.format(rho=".05", more="PARAM,WTMASS,2.\n"))
     with pytest.raises(BadInput, match=words.replace(",0.00259", ",0.00518")):
         deck.described(tmp_path / "deck.bdf", units)
-    (tmp_path / "deck.bdf").write_text(INCHES.format(rho=".1", more="PARAM,WTMASS,.00259\n"))
-    assert 'density = "2767' in deck.described(tmp_path / "deck.bdf", units)[0]
+    for case, bulk in (("", "PARAM,WTMASS,.00259\n"), ("SOL 103\nCEND\nSPC=1\nparam,wtmass,.00259\nBEGIN BULK\n", "")):
+        (tmp_path / "deck.bdf").write_text(case + INCHES.format(rho=".1", more=bulk))
+        assert 'density = "2767' in deck.described(tmp_path / "deck.bdf", units)[0]
 
 
 def test_a_structure_without_any_mass_is_refused_with_units_named_too(tmp_path: Path) -> None:
@@ -174,3 +177,140 @@ def test_a_mesh_that_is_not_held_is_told_by_who_examines_it(tmp_path: Path) -> N
         told(tmp_path, text, f"{name}.bdf")
         found = examine(tmp_path / f"{name}.toml").findings
         assert any(one.check == "support" for one in found) != sound, name
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "GRID*   3                               .1              .05             *3      \n*3      0.\n",
+        "GRID*   3                               .1              .05             *\n*       0.\n",
+        "GRID*,3,,.1,.05\n*,0.\n",
+        "GRID*,3,,.1,.05,*A\n*A,0.\n",
+        "GRID*,3,,.1,.05,+A\n+A,0.,\n",
+    ],
+)
+def test_large_fields_go_on_in_large_fields(lines: str, tmp_path: Path) -> None:
+    """With a mark behind the asterisk the second line was cut as small fields are, and free ones had eight to a line."""
+    text = PLATE.format(axes="", cd="", held="SPC1,1,123456,1,4\n")
+    wanted = told(tmp_path, text.replace("GRID,3,,.1,.05,0.", "GRID,3,,.1,.05,.02"), "deck.bdf")[0]
+    found = told(tmp_path, text.replace("GRID,3,,.1,.05,0.\n", lines.replace("0.", ".02")), "deck.bdf")[0]
+    assert wanted is not None
+    assert found is not None
+    np.testing.assert_array_equal(found.points, wanted.points)
+
+
+@pytest.mark.parametrize(
+    ("cards", "words"),
+    [
+        ("CONM2,9,3,,1.,0.,0.,0.,,+A,1.,,1.", "line 9 has more fields than the 8 of a line"),
+        ("CONM2,9,3,,1.,0.,0.,0.,,1.", "line 9 has more fields than the 8 of a line"),
+        ("GRID*,7,,0.,0.,1.", "line 9 has more fields than the 4 of a line"),
+        ("CONM2,9,3,,1.\nCONM2,9,2,,1.", "two CONM2 have the number 9"),
+        ("SPC1,1,1*3,2", r"\* stands where freedoms should"),
+        ("PBUSH,9,K,RIGID\nCBUSH,9,9,3,,,,,0", "RIGID stands where a number should"),
+    ],
+)
+def test_what_would_be_passed_over_in_a_card_is_refused(cards: str, words: str, tmp_path: Path) -> None:
+    """What stood behind the tenth field was dropped, and of two masses of one number the first."""
+    with pytest.raises(BadInput, match=words):
+        told(tmp_path, PLATE.format(axes="", cd="", held=f"SPC1,1,123456,1,4\n{cards}\n"), "deck.bdf")
+
+
+def test_supports_that_the_case_control_does_not_call_are_said_to_be_left_out(tmp_path: Path) -> None:
+    text = PLATE.format(axes="", cd="", held="SPC1,1,123456,1,4\n")
+    assert told(tmp_path, f"SOL 103\nCEND\nSPC = 1\nBEGIN BULK\n{text}", "deck.bdf")[2] == ()
+    _, said, lost = told(tmp_path, f"SOL 103\nCEND\nBEGIN BULK\n{text}", "deck.bdf")
+    assert lost == ("SPC sets 1: the case control calls none, and Nastran leaves them out",)
+    assert 'support = "free"' in said
+
+
+LUMP = "*ELEMENT, TYPE=MASS{of}\n90, 3\n91, 2\n*ELEMENT, TYPE=ROTARYI, ELSET=R\n92, 3\n{sets}*MASS, ELSET=M\n.5\n{turned}"
+
+
+def test_masses_are_those_of_their_set_and_turn_as_their_inertia_says(tmp_path: Path) -> None:
+    """Those of a set that was made of their numbers weighed nothing, without a word."""
+    inertia = "*ROTARY INERTIA, ELSET=R\n.1, .2, .3\n"
+    free = pinned("1, 6", "").replace("*BOUNDARY\nfoot, 1, 6\n", "{}")
+    bare, whole, single = (
+        told(tmp_path, free.format(text))[0]
+        for text in (
+            "",
+            LUMP.format(of=", ELSET=M", sets="", turned=inertia),
+            LUMP.format(of="", sets="*ELSET, ELSET=N, GENERATE\n90, 92, 2\n*ELSET, ELSET=M\nN\n", turned=inertia),
+        )
+    )
+    assert bare is not None
+    assert whole is not None
+    assert single is not None
+    arm = [np.array([0.1, 0.0, z]) for z in (0.1, 0.05)]
+    moments = [0.5 * (one @ one * np.eye(3) - np.outer(one, one)) for one in arm]
+    wanted = np.diag([0.1, 0.2, 0.3]) + moments[0]
+    assert single.rigid_mass[0, 0] - bare.rigid_mass[0, 0] == pytest.approx(0.5)
+    np.testing.assert_allclose((single.rigid_mass - bare.rigid_mass)[3:, 3:], wanted, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose((whole.rigid_mass - bare.rigid_mass)[3:, 3:], wanted + moments[1], rtol=1e-9, atol=1e-12)
+    lone = "*ELEMENT, TYPE=ROTARYI, ELSET=R\n92, 3\n"
+    assert told(tmp_path, free.format(lone + inertia))[2] == ("*ROTARY INERTIA R: no mass is at its node",)
+    three = "*ELEMENT, TYPE=MASS, ELSET=M\n90, 3\n*MASS, ELSET=M\n1., 2., 3.\n"
+    assert told(tmp_path, free.format(three))[2] == ("*MASS M: it is not alike in all directions; the first is taken",)
+    with pytest.raises(BadInput, match="MASS names the set NONE, which is not there"):
+        told(tmp_path, free.format("*MASS, ELSET=NONE\n1.\n"))
+
+
+def test_a_general_section_has_its_moments_about_its_first_two_axes(tmp_path: Path) -> None:
+    """Of Abaqus, with a material of its own; before, its elements had none."""
+    text = pinned("1, 6", "").replace(".01, .02\n", "2.E-4, {}\n").replace("SECTION=RECT", "SECTION=GENERAL")
+    text = text.replace("*BEAM SECTION", "*BEAM GENERAL SECTION")
+    along, across = 0.02 * 0.01**3 / 12, 0.01 * 0.02**3 / 12  # of the first size, 10 mm, along the first axis
+    own = text.replace("MATERIAL=STEEL", "DENSITY=7850.").replace("1., 0., 0.\n*B", "1., 0., 0.\n2.1E11, 8.0769E10\n*B")
+    rectangle = told(tmp_path, pinned("1, 6", ""))[0]
+    assert rectangle is not None
+    for one in (text, own):
+        found = told(tmp_path, one.format(f"{across}, , {along}, 1.E-9"))[0]
+        assert found is not None
+        first, wanted = (fixed_base(each, 1).frequency for each in (found, rectangle))
+        np.testing.assert_allclose(first, wanted, rtol=0.01)  # but for the shear
+
+
+def test_a_set_of_the_assembly_may_name_one_of_its_instance(tmp_path: Path) -> None:
+    """It held nothing."""
+    part, _, rest = pinned("1, 6", "").partition("*MATERIAL")
+    section = "*BEAM SECTION, ELSET=e, MATERIAL=STEEL, SECTION=RECT\n.01, .02\n1., 0., 0.\n"
+    instances = "".join(f"*INSTANCE, NAME=I{k}, PART=P\n0., {k}., 0.\n*END INSTANCE\n" for k in (1, 2))
+    sets = "".join(f"*NSET, NSET=HELD, INSTANCE=I{k}\nFoot,\n" for k in (1, 2))
+    text = f"*PART, NAME=P\n{part}{section}*END PART\n*ASSEMBLY, NAME=A\n{instances}{sets}*END ASSEMBLY\n*MATERIAL"
+    _, said, lost = told(tmp_path, text + rest.replace(section, "").replace("foot,", "held,"))
+    assert not lost
+    assert "clamp-2" in said
+
+
+@pytest.mark.parametrize(
+    ("slip", "E", "rho"),
+    [("MPa with kg/mm³", 210e3, 7.85e-6), ("kgf/cm² with kgf s²/cm⁴", 2.1e6, 8e-6), ("kgf/mm² with kgf/mm³", 21e3, 7.85e-6)],
+)
+def test_steel_that_would_be_soft_is_none(slip: str, E: float, rho: float, tmp_path: Path) -> None:
+    """It was believed to be of 210 MPa, 2.1 GPa or 21 MPa in mm-kg-mN-s, and the frequencies came out 5 to 100 times too low."""
+    text = PLATE.format(axes="", cd="", held="SPC1,1,123456,1,4\n").replace("2.1+11,,0.3,7850.", f"{E},,.3,{rho}")
+    (tmp_path / "deck.bdf").write_text(text)
+    with pytest.raises(BadInput, match=r"its units cannot be told|its densities are weights"):
+        deck.described(tmp_path / "deck.bdf")
+
+
+@pytest.mark.parametrize(("E", "rho"), [(16e9, 11340.0), (1.4e10, 11340.0), (45e9, 1740.0), (3e9, 1200.0), (3.9e11, 19300.0)])
+def test_lead_and_what_is_stiffer_or_lighter_is_a_material(E: float, rho: float, tmp_path: Path) -> None:
+    text = PLATE.format(axes="", cd="", held="SPC1,1,123456,1,4\n").replace("2.1+11,,0.3,7850.", f"{E},,.3,{rho}")
+    (tmp_path / "deck.bdf").write_text(text)
+    assert 'units = "m-kg-N-s"' in deck.described(tmp_path / "deck.bdf")[0]
+
+
+def test_a_third_node_of_a_beam_tells_the_first_axis_of_its_section(tmp_path: Path) -> None:
+    """It was refused as a line of three nodes."""
+    row = told(tmp_path, pinned("1, 6", ""))[0]
+    text = (
+        pinned("1, 6", "")
+        .replace("*ELEMENT", "9, .5, 0., .02\n*ELEMENT")
+        .replace("1, 1, 2\n2, 2, 3\n", "1, 1, 2, 9\n2, 2, 3, 9\n")
+    )
+    node = told(tmp_path, text.replace("1., 0., 0.\n*B", "0., 1., 0.\n*B"))[0]
+    assert row is not None
+    assert node is not None
+    np.testing.assert_allclose(fixed_base(node, 3).frequency, fixed_base(row, 3).frequency, rtol=1e-9)

@@ -352,3 +352,44 @@ def test_keywords_of_abaqus_that_would_be_lost_are_refused(lines: str, tmp_path:
     path.write_text(deck + lines + "\n")
     with pytest.raises(BadInput, match=r"would be lost|is not followed|are not read"):
         files.read(path)
+
+
+def universal(*datasets: str) -> str:
+    nodes = "".join(
+        f"{k} 1 1 11\n{x}. {y}. {z}.\n" for k, (x, y, z) in enumerate([(0, 0, 0), (9, 0, 0), (0, 9, 0), (0, 0, 9)], 1)
+    )
+    element = "1 111 1 1 7 4\n1 2 3 4\n"
+    group = "1 0 0 0 0 0 0 1\nBODY\n8 1 0 0\n"
+    own = (f"2411\n{nodes}", f"2412\n{element}", f"2467\n{group}")
+    return "".join(f"    -1\n{one}    -1\n" for one in (*datasets, *own))
+
+
+@pytest.mark.parametrize(
+    ("per_metre", "units", "refused"),
+    [("1.D+03", "mm", False), ("1000.", "m", True), ("39.37", "in", False), ("39.37", "mm", True), ("1.0", "mm", False)],
+)
+def test_a_unit_that_a_universal_file_states_is_that_of_its_description(
+    per_metre: str, units: str, refused: bool, meshed: Callable[..., Structure]
+) -> None:
+    """A structure a thousand times as large was made of it. That all is in metres is written by many who do not know."""
+    text = universal(f"164\n         5 a system           2\n{per_metre} 1. 1.\n273.15\n")
+    parts = '[fe_model.parts.BODY]\nmaterial = "steel"'
+    if not refused:
+        assert meshed(text, parts, units=units, ending="unv").rigid_mass[0, 0] > 0
+        return
+    with pytest.raises(BadInput, match=r"`fe_model.units`: is .* m, and mesh.unv itself says .* m \(dataset 164\)"):
+        meshed(text, parts, units=units, ending="unv")
+
+
+@pytest.mark.parametrize(("kind", "row", "refused"), [(0, "1. 0. 0.", False), (0, "0. 1. 0.", True), (1, "1. 0. 0.", True)])
+def test_nodes_of_a_universal_file_are_in_global_axes(
+    kind: int, row: str, refused: bool, meshed: Callable[..., Structure]
+) -> None:
+    """They were taken for global whatever dataset 2420 says of their system."""
+    text = universal(f"2420\n1\nPART\n1 {kind} 8\nOWN\n{row}\n0. 1. 0.\n0. 0. 1.\n0. 0. 0.\n")
+    parts = '[fe_model.parts.BODY]\nmaterial = "steel"'
+    if not refused:
+        assert meshed(text, parts, units="mm", ending="unv").rigid_mass[0, 0] > 0
+        return
+    with pytest.raises(BadInput, match="node 1 is in the system 1, which dataset 2420 turns, moves or makes round"):
+        meshed(text, parts, units="mm", ending="unv")
