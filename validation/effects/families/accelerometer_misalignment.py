@@ -10,7 +10,7 @@ FAMILY = Family(
     sizes=ANGLE,
     example="accelerometer-misalignment:cover-z3:x=0.02",
     tolerance=Tolerances().angle,
-    equation="y' = (d + v e x d)ᵀ [G(p)] u",
+    equation="y' = (R(v e) d)ᵀ [G(p)] u",
     mistaken_for=("accelerometer-position", "orientation", "force-crosstalk"),
     confirmed_by="the pick-up turned by 180 degrees about its own axis: cross-sensitivity turns with it, a slant does not",
     reference="paper Eq. 3; transverse sensitivity of an accelerometer is the same equation (ISO 16063-31)",

@@ -7,7 +7,7 @@ FAMILY = Family(
     targets=(DRIVE, "axis"),
     sizes=ANGLE,
     example="force-misalignment:tip-z:x=0.05",
-    equation="A' = dᵀ A (n + v e x n)",
+    equation="A' = dᵀ A R(v e) n",
     mistaken_for=("force-gain", "force-position", "accelerometer-misalignment"),
     confirmed_by="the blow again along a guide; a response across the direction, which a straight blow at a plane of symmetry "
     "does not move",
