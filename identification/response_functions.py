@@ -266,17 +266,26 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
         )
     f, values = f[low:high], values[:, low:high]
     known = all(one.coherence is not None for one in pieces)
-    coherence = [[one.coherence[:n][low:high] for c in responses if (one := by_pair[d, c]).coherence is not None] for d in drives]
+    coherence, kept = None, list(responses.values())
     _require_upright(f, values, source)
     averages = min(one.averages for one in pieces)
-    if known and averages > 1:
+    if known:
+        told = [[one.coherence[:n][low:high] for c in responses if (one := by_pair[d, c]).coherence is not None] for d in drives]
+        coherence = np.array(told).transpose(0, 2, 1)
+    if coherence is not None and averages > 1:
         of_noise = 1 - 0.5 ** (1 / (averages - 1))  # the median of what has nothing to do with the force
-        heard = np.max(np.median(np.array(coherence), axis=2), axis=0)
+        heard = np.max(np.median(coherence, axis=1), axis=0)
+        reads = (heard >= DEAF * of_noise) | (heard.max() <= DEAF**2 * of_noise)
         warnings += [
-            f"{source}: {name} reads nothing of the force: its coherence is {share:.2g}, as that of noise; look at its cable"
-            for name, share in zip(responses, heard, strict=True)
-            if share < DEAF * of_noise < heard.max() / DEAF
+            f"{source}: {name} is left out: look at its cable, it reads nothing of the force and has a coherence of {share:.2g}"
+            for name, share, own in zip(responses, heard, reads, strict=True)
+            if not own
         ]
+        kept, values, coherence = (
+            [one for one, own in zip(kept, reads, strict=True) if own],
+            values[:, :, reads],
+            coherence[..., reads],
+        )
         if heard.max() < DEAF * of_noise:
             warnings.append(f"{source}: no response follows the force, the best coherence is {heard.max():.2g}; look at its cell")
     return ResponseFunctions(
@@ -286,8 +295,8 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
         frequency=f,
         values=values,
         drives=tuple(drives.values()),
-        responses=tuple(responses.values()),
-        coherence=np.array(coherence).transpose(0, 2, 1) if known else None,
+        responses=tuple(kept),
+        coherence=coherence,
         averages=averages,
         band=(float(f[0]), float(f[-1])),
         warnings=tuple(warnings),

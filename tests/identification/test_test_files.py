@@ -754,7 +754,7 @@ def test_a_file_may_hold_several_forces_at_a_time(tmp_path: Path, ending: str) -
         read(tmp_path, described(**stated, columns=names, records={"kind": "hammer"}))
 
 
-def test_a_channel_that_reads_nothing_of_the_force_is_said(tmp_path: Path) -> None:
+def test_a_channel_that_reads_nothing_of_the_force_is_left_out_and_said(tmp_path: Path) -> None:
     rng, (force, x) = np.random.default_rng(5), blows_of(0.01)
     noise = 1e-3 * x.std() * rng.standard_normal((2, len(x)))
     said = []
@@ -762,9 +762,12 @@ def test_a_channel_that_reads_nothing_of_the_force_is_said(tmp_path: Path) -> No
         samples = {"force": force, "a-z": read_at, "b-z": other}
         files.write(tmp_path / f"{name}.h5", Signals(source=name, samples=samples, sampling_rate=RATE))
         table = described(file=f"{name}.h5", drive="a", responses=["a", "b"], records={"kind": "hammer"})
-        said.append([one for one in read(tmp_path, table).warnings if "the force" in one])
+        found = read(tmp_path, table)
+        said.append([one for one in found.warnings if "the force" in one])
+        assert [one.name for one in found.responses] == (["a-z"] if name == "a" else ["a-z", "b-z"])
+        assert found.values.shape[2] == found.coherence.shape[2] == len(found.responses)
     assert len(said[0]) == 1
-    assert "b-z reads nothing of the force: its coherence is 0.2" in said[0][0]
+    assert "b-z is left out: look at its cable, it reads nothing of the force and has a coherence of 0.2" in said[0][0]
     assert said[1] == []
     assert len(said[2]) == 1
     assert "no response follows the force" in said[2][0]

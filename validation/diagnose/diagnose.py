@@ -38,7 +38,7 @@ from validation.diagnose.landmark_search import FromAfar, line_fit
 from validation.diagnose.mistakes import mistakes
 from validation.diagnose.next_test import advised
 from validation.diagnose.nonlinear import differing_levels, nonlinear
-from validation.diagnose.search import SearchStep, placed_from_afar, stepwise_search
+from validation.diagnose.search import SearchStep, first_fit, placed_from_afar, stepwise_search
 from validation.diagnose.unexplained import Explanation, described, unexplained
 from validation.effects import effect
 from validation.effects.catalogue import FAMILIES, Named, code_of_families, parse
@@ -130,7 +130,9 @@ def diagnosed(
         every, best = found_nodes(base, lambda share: look(share / 3))
         wanted = partial(candidates.looked_for, only=only, leave_out=leave_out)
         nodes = tuple(one for one in best if wanted(one.named))
-        if fitted := without_a_name(right, base, nodes, wanted, lambda share: look((1 + 2 * share) / 3)):
+        asked = menu if only else candidates.candidates(right, leave_out=leave_out)
+        named = partial(first_fit, right, base, asked, tell)
+        if fitted := without_a_name(right, base, nodes, wanted, lambda share: look((1 + 2 * share) / 3), named):
             again = {one.kind for one in fitted}
             nodes = (*fitted, *(one for one in nodes if one.kind not in again))
             right = right.ready_at([one.named.target for one in fitted])

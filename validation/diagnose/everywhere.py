@@ -587,19 +587,21 @@ def without_a_name(
     nodes: Sequence[FoundNode],
     wanted: Callable[[Named], bool] = lambda named: True,
     progress: Callable[[float], None] = lambda share: None,
+    rivals: Callable[[], Sequence[CandidateFit]] = tuple,
 ) -> tuple[FoundNode, ...]:
     """Of the kinds of `nodes` the places that are worth a fit although they have no name: they would explain what is worth a
     parameter, and what no place that has a name explains as well. As a fit of all tolerances left them, the best first.
 
     A large fault has the fit without it move tolerances far, and then a node is not seen where it is. So the mesh is asked from
     the tolerances as they are declared, too; the best places are fitted, and the mesh is asked again around each with the
-    tolerances as they are beside the effect. `progress` hears the share done.
+    tolerances as they are beside the effect. `progress` hears the share done; `rivals` are fits of what has a name: where one
+    leaves nothing, no way to a node is worth its end that does not come as low.
     """
     seen = [one for one in nodes if _is_worth(one)]
     if not seen and goodness_of_fit(base.fit, base.problem).null:
         return ()
     found, stood = dict[str, FoundNode](), dict[str, Candidate]()
-    asked, tried = set[str](), list[CandidateFit]()
+    asked = set[str]()
     at_home = replace(base, fit=_standing(base.problem, base.fit, base.problem.start))
     declared = found_nodes(at_home, lambda share: progress(share / 2), far=True)[1]
     declared = tuple(one for one in declared if wanted(one.named) and _is_worth(one))
@@ -610,7 +612,7 @@ def without_a_name(
         both += [(one, far) for one in listed if (one.article, one.kind) in kinds]
     both += [(each, False) for each in seen if each.kind == RESONATOR]
     begins = [(each, far, named) for each, far in both for named in (each.named, each.straight) if named is not None]
-    least = -np.inf  # of what is seen from where tolerances are declared, beside a fit that leaves nothing
+    least, tried = -np.inf, list(rivals() if begins else ())  # of what is seen from where tolerances are declared, beside a null
     for k, (one, from_afar, here) in enumerate(begins):
         progress((1 + k / len(begins)) / 2)
         kind, most, some, beside = one.kind, -np.inf, [here], None

@@ -126,7 +126,8 @@ def _along_few_lines(
     for done, added in enumerate(asked):
         progress(f"trying {added.named.id} along few lines", done / len(asked))
         problem = data.problem((*at.effects, added)).sparser(STRIDE)
-        enough = found[FEW - 1][1].cost + SCREENING_MARGIN if len(found) >= FEW else inf
+        rivals = [fit.cost for k, (_, fit) in enumerate(found) if fit.sound or k == FEW - 1]
+        enough = min(rivals, default=inf) + SCREENING_MARGIN
         fits = [rough(problem, FITTED, at.fit, begin, worth=enough) for begin in begins(added, problem)]
         found += [(added, fit) for fit in sorted(fits, key=lambda fit: fit.cost)[:1]]
         found.sort(key=lambda one: -one[1].log_evidence)
@@ -543,6 +544,16 @@ def placed_from_afar(
     return (data, at, (*rounds, *asked)) if goodness_of_fit(at.fit, at.problem).null else None
 
 
+def first_fit(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress) -> list[CandidateFit]:
+    """The fit beside `at` of that effect of `menu` which promises most; none of one that promises nothing."""
+    here, found = goodness_of_fit(at.fit, at.problem), sorted(screen(data, at, menu), key=lambda each: -each.evidence)
+    return _fits_of(here)(data, at, found[:1], progress)
+
+
+def _fits_of(here: GoodnessOfFit) -> Callable[..., list[CandidateFit]]:
+    return _rough_fits if here.misfit > MISFIT else partial(_local_fits, here=here)
+
+
 def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress, fitted: Sequence[FoundNode] = ()) -> SearchStep:
     progress(f"screening {len(menu)} effects", 0.0)
     here, known = goodness_of_fit(at.fit, at.problem), {one.named.id: one for one in fitted}
@@ -552,8 +563,8 @@ def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress,
             brought = max(each.evidence, node.evidence + node.looked)
             found[k] = replace(each, added=replace(each.added, named=node.named), evidence=brought, begin=node.fit)
     found.sort(key=lambda each: -each.evidence)
-    fits = _rough_fits if here.misfit > MISFIT else partial(_local_fits, here=here)
-    tried, gone = _fits_in_band(data, found, lambda some: fits(data, at, some, progress))
+    fits = _fits_of(here)
+    tried, gone = _fits_in_band(data, found, lambda some: fits(data, at, some, progress), here)
     tried = _restarted_where_stuck(data, at, here, tried, found, progress)
     tried = ranked([replace(one, looked=known[one.id].looked) if one.id in known else one for one in tried])
     good = bool(tried) and is_accepted(tried[0])
@@ -609,21 +620,24 @@ def _rough_fits(data: Study, at: Candidate, found: Sequence[Screened], progress:
         return [start, part] if start and not is_resonator(added.named) else [start]
 
     asked = [one.added for one in promising.values()]
-    nearest = _along_few_lines(data, at, asked, begins, partial(child, from_afar=True), progress)[:FEW]
-    return [candidate_fit(at, fit_with(data, at, added, begin=begin)) for added, begin in nearest]
+    tried: list[CandidateFit] = []
+    for added, begin in _along_few_lines(data, at, asked, begins, partial(child, from_afar=True), progress)[:FEW]:
+        tried.append(candidate_fit(at, fit_with(data, at, added, begin=begin, worth=worth(at, tried))))
+    return tried
 
 
 def _fits_in_band(
-    data: Study, found: Sequence[Screened], fits: Callable[[Sequence[Screened]], list[CandidateFit]]
+    data: Study, found: Sequence[Screened], fits: Callable[[Sequence[Screened]], list[CandidateFit]], here: GoodnessOfFit
 ) -> tuple[list[CandidateFit], tuple[str, ...]]:
-    """`fits` of the best, and of others in place of resonators that leave the band; and the ids of these resonators."""
+    """`fits` of the best, and of others in place of resonators that leave the band, unless another leaves nothing of what is
+    missing `here`; and the ids of these resonators."""
     tried = fits(found)
     inside = [one for one in tried if in_band(data, one)]
-    if len(inside) == len(tried):
-        return inside, ()
+    gone = tuple(one.id for one in tried if one not in inside)
+    if not gone or (not here.null and any(one.goodness.null for one in inside)):
+        return inside, gone
     known = {one.id for one in tried}
     others = [one for one in found if one.id not in known and not is_resonator(one.added.named)]
-    gone = tuple(one.id for one in tried if one not in inside)
     return [*inside, *fits(_most_promising(others)[:OTHERS])], gone
 
 

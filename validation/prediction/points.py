@@ -2,7 +2,7 @@
 
 A point at p along d has the row dᵀ u(p). Turned about an axis e, beside its place along e, or at another point, it has
 
-    dᵀ u + v (e x d)ᵀ u ,        dᵀ u(p + v e) ,        (1 - v) dᵀ u + v d'ᵀ u' ,
+    (d cos v + e x d sin v + e eᵀd (1 - cos v))ᵀ u ,        dᵀ u(p + v e) ,        (1 - v) dᵀ u + v d'ᵀ u' ,
 
 whose derivative is a row itself. How far it may be turned or lie beside its place is a tolerance of
 the test, as of any pick-up; the others are parameters that effects open: `possible` says which.
@@ -127,7 +127,10 @@ def rows(
         point, word, by = points[k], targets[-1], offsets.get(name, 0.0)
         d = np.asarray(point.direction)
         if family.endswith("-misalignment"):
-            change = along(matrices, point.place, np.cross(AXES[word], d))
+            e = np.asarray(AXES[word])
+            across, back = (along(matrices, point.place, way) for way in (np.cross(e, d), (e @ d) * e - d))
+            change = np.cos(by) * across + np.sin(by) * back
+            values[k] += np.sin(by) * across + (1 - np.cos(by)) * back - by * change
         elif family.endswith("-position"):
             if point.place not in matrices.gradients:
                 continue

@@ -24,7 +24,7 @@ from geometry import toml_file
 from geometry.articles import built_in
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
-from geometry.frames import Array, Pose
+from geometry.frames import Array, Pose, rotation_by
 from geometry.sensors import AXES, Channel, ChannelTable, Place, Point, point
 from geometry.toml_file import nearest
 from identification import campaign_file, test_file
@@ -367,7 +367,7 @@ def _row(structure: Structure, at: Point, faults: Sequence[Named], points: Mappi
             continue
         word = one.targets[-1]
         if one.family.endswith("-misalignment"):
-            d = d + one.value * np.cross(AXES[word], d)
+            d = rotation_by(one.value * np.array(AXES[word])) @ d
         elif one.family.endswith("-position"):
             shift = shift + one.value * np.array(AXES[word])
         elif one.family == "wrong-direction":

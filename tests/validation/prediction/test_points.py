@@ -146,6 +146,16 @@ def test_every_derivative_by_a_fault_is_that_of_differences(tested: Callable[...
             assert_allclose(exact.changes[name].rows, difference, rtol=0, atol=2e-4 * scale, err_msg=name)
 
 
+@pytest.mark.parametrize("id", ["accelerometer-misalignment:tip-x:y", "force-misalignment:tip-x:y"])
+def test_what_is_turned_far_reads_less_along_its_axis(id: str, tested: Callable[..., tuple[Any, ...]]) -> None:
+    """A blow askew by 15 degrees of another program's data drove 3.4 % less than the model had it: three effects were named."""
+    (one,) = tested("functions")
+    v = np.radians(15)
+    there, plain, back = (one.with_effects((added(f"{id}={x}"),)).at({}, derivatives=False).rows for x in (v, 0.0, -v))
+    concerned = np.s_[:, :, 0] if id.startswith("accelerometer") else np.s_[0, :, :3]  # across the plane nothing is read
+    assert_allclose((there + back)[concerned], 2 * np.cos(v) * plain[concerned], rtol=0, atol=1e-6 * np.abs(plain).max())
+
+
 def test_faults_are_asked_of_what_is_there_and_of_nothing_else(tested: Callable[..., tuple[Any, ...]]) -> None:
     (one,) = tested("functions")
     own = "accelerometer-misalignment:tip-x:x=0"  # about its own axis it turns into itself
