@@ -126,9 +126,8 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
             if one.article == other.article and one.hardware != other.hardware and one.hardware and other.hardware:
                 problem = f"is {one.hardware}, and that of {other.source}, also of {one.article}, is {other.hardware}"
                 remedy = "Another FMD has other sensors: compare each series with a model of its own"
-                raise BadInput(
-                    source=f"{one.source}/{campaign_file.NAME}", field="campaign.hardware", problem=problem, remedy=remedy
-                )
+                where = f"{one.source}/{campaign_file.NAME}"
+                raise BadInput(source=where, field="campaign.hardware", problem=problem, remedy=remedy)
     if described:
         require_pair(model, described)
         require_bodies(model, described)

@@ -64,12 +64,12 @@ def read(path: Path) -> Deck:
         deck = read_keywords(path, mesh) if mesh.coordinates is None else read_cards(path, mesh, mesh.coordinates)
         deck.settle()
     except NotThere as error:
-        line, card = naming(
-            path, error.what, lambda card: files.carries(card) or card in (*files.LOOSE, "SPC", "SPC1", "BOUNDARY")
-        )
+        more = (*files.LOOSE, "SPC", "SPC1", "BOUNDARY", "SURFACE", "TRANSFORM")
+        line, card = naming(path, error.what, lambda card: files.carries(card) or card in more)
         problem = f"{card} names {'node' if isinstance(error.what, int) else 'the set'} {error.what}, which is not there"
-        remedy = "Correct it, or take it out: a solver stops there, too"
-        raise BadInput(source=str(line.file), field=f"line {line.number}", problem=problem, remedy=remedy) from None
+        field = f"line {line.number}" if line.number else ""
+        remedy = "Correct it, or take it out: solvers stop there, or pass it over"
+        raise BadInput(source=str(line.file), field=field, problem=problem, remedy=remedy) from None
     except (ValueError, IndexError, KeyError, ArithmeticError) as error:
         problem = f"a record of it cannot be read: {type(error).__name__}, {error}"
         raise BadInput(source=str(path), problem=problem, remedy="Check the deck; it may be cut short or damaged") from None

@@ -221,14 +221,12 @@ class Deck:
         named += [node for node, letters in self.held.items() if letters & ALL]  # a scalar point has none of those
         for node in named:
             _ = self.points[node]
-        if (
-            wrong := set().union(*self.held.values(), *self.riding.values(), *(one.ways for one in self.means.values()))
-            - ALL
-            - {"0"}
-        ):
+        ways = (*self.held.values(), *self.riding.values(), *(one.ways for one in self.means.values()))
+        if wrong := set().union(*ways) - ALL - {"0"}:
             raise ValueError(f"{''.join(sorted(wrong))} stands where freedoms should")
-        for name, own in {**{name: own for name, (_, own) in self.links.items()}, **self.means}.items():
-            if not (own.motions if isinstance(own, Mean) else own):
+        ridden = {name: numbers_of(self.mesh, own) for name, (_, own) in self.links.items()}
+        for name, own in {**ridden, **{name: list(one.motions) for name, one in self.means.items()}}.items():
+            if not own:
                 self.links.pop(name, None)
                 self.means.pop(name, None)
                 self.lose(name, "it joins no node")
@@ -277,8 +275,9 @@ class Deck:
             ways, own = self.riding.get(name), set(riders[name])
             askew = ways is not None and (carrier in structural or own & self.axes.keys())
             beside = own & ridden or carrier in carrying or (carrier in led - own and carrier not in structural)
-            line = np.array([points[node] - points[carrier] for node in own]) if own.isdisjoint(turning) else np.eye(3)
-            spins = carrier in structural - turning and np.linalg.matrix_rank(line, tol=ALIKE * np.abs(line).max()) < 2
+            still = carrier in structural and turning.isdisjoint({carrier, *own})
+            line = np.array([points[node] - points[carrier] for node in own]) if still else np.eye(3)
+            spins = np.linalg.matrix_rank(line, tol=ALIKE * np.abs(line).max()) < 2
             if askew or beside or spins or (carrier in structural and carrier in ridden):
                 following = [(node, int(way) - 1) for node in riders[name] for way in ways or "123456" if node != carrier]
                 six = {(carrier, way): 1.0 for way in range(6)}
@@ -497,10 +496,9 @@ class Deck:
                 self.lose(name, f"a section of kind {kind}")
             added = real(f[8 + size]) if section else 0.0
             rest = f[9 + size :]  # of stations whether there is output, where they are, sizes and a mass
-            while card == "PBEAML" and rest[0]:
-                if any(
-                    real(text) != one for text, one in zip(rest[2:], [*map(real, f[8 : 8 + size]), added], strict=False) if text
-                ):
+            while card == "PBEAML" and any(rest[: 3 + size]):
+                first = [*map(real, f[8 : 8 + size]), added]
+                if any(real(text) != one for text, one in zip(rest[2:], first, strict=False) if text):
                     self.lose(name, "a taper; it is as at its first end")
                 rest = rest[3 + size :]
         if len(section) > 1 and section.get("J") == 0:
@@ -527,9 +525,11 @@ class Deck:
     def beam_section(self, name: str, group: str, o: Mapping[str, str], rows: Sequence[Sequence[str]]) -> None:
         """Along its first direction, which the second row says, a rectangle has the first of its two sizes."""
         sizes = [real(text) for text in rows[0] if text]
-        beams, some = self.mesh.cells.get("line2"), self.mesh.groups.get(group, {}).get("line2")
-        told = beams is not None and beams.axes is not None and not np.isnan(beams.axes[some]).any()  # by its elements
-        z_axis = () if told else tuple(real(text) for text in rows[1][:3]) if rows[1:] else (0.0, 0.0, -1.0)
+        beams = [(self.mesh.cells[kind], some) for kind, some in self.mesh.groups.get(group, {}).items()]
+        told = [one.axes is not None and not np.isnan(one.axes[k]).any() for one, some in beams for k in some]  # by its elements
+        if any(told) and not all(told):
+            self.lose(name, "which way those of its beams are turned that have a node which says it, as others have none")
+        z_axis = () if told and all(told) else tuple(real(text) for text in rows[1][:3]) if rows[1:] else (0.0, 0.0, -1.0)
         section: dict[str, float] = {}
         if any(real(o.get(way, "")) for way in ("OFFSET1", "OFFSET2")):
             self.lose(name, "how far it is off its nodes (OFFSET1, OFFSET2)")
@@ -556,9 +556,10 @@ class Deck:
             word, last, size, *_ = (*what, "", "", "")
             first = word if word.isdigit() else ""
             letters = HELD_AS.get(word.upper(), "".join(map(str, range(int(first or 1), min(int(last or first or 0), 6) + 1))))
-            if real(size):
-                self.lose(f"*BOUNDARY {who}", "held away from where it stands")
-            for node in numbers_of(self.mesh, [int(who) if who.isdigit() else who]):
+            nodes = numbers_of(self.mesh, [int(who) if who.isdigit() else who])
+            if letters and (real(size) or not nodes):
+                self.lose(f"*BOUNDARY {who}", "held away from where it stands" if nodes else "the set has no nodes")
+            for node in nodes:
                 self.held.setdefault(node, set()).update(letters)
 
     @property
@@ -586,9 +587,7 @@ _IDLE = re.compile(
 """Cards that neither weigh nor hold nor join in a linear structure, or are read with the mesh."""
 
 
-ONE_OF_A_NUMBER = re.compile(
-    r"MAT\d+|PSOLID|PSHELL|P(BAR|BEAM)L?|PROD|PTUBE|PCOMPG?|PBUSH|PELAS|CONM2|RBE\d|RBAR1?|CELAS\d|CBUSH"
-)
+ONE_OF_A_NUMBER = re.compile(r"MAT\d+|P(SOLID|SHELL|BARL?|BEAML?|ROD|TUBE|COMPG?|BUSH|ELAS)|CONM2|RBE\d|RBAR1?|CELAS\d|CBUSH")
 """Cards of which a solver takes one of each number."""
 
 
@@ -780,11 +779,11 @@ def called(mesh: MeshFile, name: str) -> str:
 
 
 def numbers_of(mesh: MeshFile, named: Iterable[int | str]) -> list[int]:
-    """Numbers of the nodes of groups, and numbers as they are; NotThere: a group that has no nodes."""
+    """Numbers of the nodes of groups, and numbers as they are; NotThere: a group that the mesh does not state."""
     found = list[int]()
     for one in named:
         own = [one] if isinstance(one, int) else mesh.node_tags[mesh.nodes_of(called(mesh, one))].tolist()
-        if not own:
+        if not own and str(one).upper() not in mesh.empty:
             raise NotThere(one)
         found += own
     return found

@@ -18,6 +18,9 @@ from geometry.frames import Integers, axes_along
 FIBRES = {"LAMINA": range(6), "ENGINEERING CONSTANTS": (0, 1, 3, 6, 7, 8)}
 """Where moduli along and across fibres, Poisson's ratio and shear moduli 12, 13 and 23 stand, by the type of elasticity."""
 
+LATE = {"ELSET": 1, **dict.fromkeys(("MASS", "ROTARY INERTIA", "SPRING"), 2)}
+"""What is read behind all else, as elements and sets that it names may stand behind it."""
+
 
 def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
     """Keyword, options and rows of fields, to the end of the first step; nodes and elements come without their rows."""
@@ -48,7 +51,7 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
     joining = list[tuple[str, dict[str, str], list[list[str]]]]()
     # Carriers of rigid bodies by the nodes whose displacements are their rotations; and orientations
     turning, ways = dict[int, int](), dict[str, tuple[tuple[float, ...], float]]()
-    for keyword, options, rows in _blocks(path):
+    for keyword, options, rows in sorted(_blocks(path), key=lambda block: LATE.get(block[0], 0)):
         o, first = {key: value.upper() for key, value in options.items()}, (rows or [[""]])[0]
         group = called(mesh, options.get("ELSET", ""))
         name = f"*{keyword} {options.get('ELSET', options.get('NAME', options.get('NSET', '')))}".strip()
@@ -117,14 +120,16 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
             spans = [[*map(int, filter(None, row)), 1][:3] for row in rows if "GENERATE" in o]
             words = [word.upper() for row in rows if "GENERATE" not in o for word in row if word]
             own = {tag for word in words for tag in ([int(word)] if word.isdigit() else sets.get(word, []))}
-            some = [tag for tag in loose if tag in own or any(tag in range(a, b + 1, step) for a, b, step in spans)]
+            some = [tag for tag in loose if tag in own or any(tag in range(a, b + 1, step or 1) for a, b, step in spans)]
             sets.setdefault(o["ELSET"], []).extend(some)
         elif keyword in ("MASS", "ROTARY INERTIA", "SPRING"):
             tags = dict.fromkeys(sets.get(o["ELSET"], ()))
             bare = [(tag, *loose[tag]) for tag in tags if files.LOOSE[loose[tag][0]] == keyword]
-            if not bare:
+            if not bare and o["ELSET"] not in sets:
                 raise NotThere(options["ELSET"])
-            if keyword == "SPRING":
+            if not bare:
+                deck.lose(name, "its set has no element of that kind")
+            elif keyword == "SPRING":
                 _abaqus_spring(deck, name, bare, rows, "ORIENTATION" in o)
             elif keyword == "MASS":
                 if len({real(text) for text in first if text}) > 1:

@@ -77,13 +77,15 @@ def naming(path: Path, what: int | str, carries: Callable[[str], bool]) -> tuple
     card, of_nastran = "", path.suffix.lower() != ".inp"
     for line in deck_lines(path):
         text = line.text.upper().partition("$")[0] if of_nastran else line.text.upper()
-        if of_nastran and text[:1].isalpha():
+        if begins := of_nastran and text[:1].isalpha():
             card = re.split(r"[\s,*]", text[:8])[0]
         elif not of_nastran and text.startswith("*"):
             card, options = keyword_of(text)
             card = options.get("TYPE", card) if card == "ELEMENT" else card
         words = re.split(r"[\s,*+]+", text) if of_nastran else [word.strip() for word in re.split("[,=]", text)]
-        if carries(card) and str(what).upper() in words[2 * (text[:1].isalpha() and of_nastran) :]:  # behind card and number
+        words = words[2 * begins :]  # behind card and number
+        words += [text[n : n + 8].strip() for n in range(8 + 8 * begins, 72, 8) if of_nastran]  # of eight figures each
+        if carries(card) and str(what).upper() in words:
             return line, card
     return Line("", path, 0), "it"
 
@@ -353,6 +355,35 @@ def _assembled(assembly: list[_Block], parts: Mapping[str, list[_Block]], places
             rows = [row._replace(text=_referring(row.text, places)) for row in block.rows]
             other = block if block.keyword in (*COUNTED, *NAMING) else replace(block, rows=rows)
             yield from placed([other], of, partial(_referring, places=places), partial(_meant, places=places, otherwise=inner))
+
+
+# What comments of Nastran's call its properties.
+
+_NAMED = re.compile(
+    r"\$HMNAME PROP\s+(\d+)\s*\"([^\"]+)\"|\$ Femap (?:with .*)?Property (\d+) : (.+)|\$ANSA_NAME(?:_COMMENT)?;(\d+);P\w+;([^;]+)"
+)
+"""Comments in which HyperMesh, Femap and ANSA name a property."""
+
+_NAMED_NEXT = re.compile(r"\$ (?:Elements and )?Element Properties for region : (.+)|\$\*\s+Property: (.+)")
+"""Comments of Patran and Simcenter, which name the property that comes next."""
+
+
+def properties(path: Path) -> dict[str, str]:
+    """Names of the properties of a deck of Nastran by their numbers, of those that its comments name like no other."""
+    found, following = dict[str, str](), ""
+    for line in deck_lines(path):
+        text = line.text.strip()
+        if match := _NAMED.match(text):
+            number, name = (one.strip() for one in match.groups() if one is not None)
+            found[number] = name
+        elif match := _NAMED_NEXT.match(text):
+            following = next(one for one in match.groups() if one is not None).strip()
+        elif following and re.match(r"P(?!ARAM)[A-Z]", text):
+            found[re.split(r"[,\s]+", text.replace("*", " "))[1]], following = following, ""
+    found = {number: re.sub(r"[:=,@]+", "-", name) for number, name in found.items()}  # which stand between parts of an effect
+    every = list(found.values())
+    named = {number: name for number, name in found.items() if name and every.count(name) == 1}
+    return {number: name for number, name in named.items() if not re.fullmatch(r"(\w+ )?\d+", name)}
 
 
 # Coordinate systems of Nastran: where grid points stand, and which way their freedoms point.

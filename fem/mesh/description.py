@@ -362,9 +362,8 @@ class _Table:
         several = [one.known(("material", "thickness", "angle")).layer() for one in tables]
         stiff = np.linalg.eigvalsh(sum((one.thickness * one.turned for one in several), np.zeros((3, 3))))
         if not stiff[0] > SOFT * stiff[-1]:
-            raise self.wrong(
-                "layers", "stiff in their plane along it, across it and in shear", "State the faces, or a modulus 12"
-            )
+            wanted = "stiff in their plane along it, across it and in shear"
+            raise self.wrong("layers", wanted, "State the faces, or a modulus 12")
         offset = self.quantity("offset", "length", positive=False) if "offset" in self.table else 0.0
         made, thickness = shells.Laminate.of(several, offset), float(sum(one.thickness for one in several))
         A, rho = float(np.sqrt(made.membrane[0, 0] * made.membrane[1, 1])), made.masses[0] / thickness
@@ -433,9 +432,8 @@ class _Table:
             Iy, Iz, J = (self.quantity(key, "second moment of area", positive=False) for key in ("Iy", "Iz", "J"))
             product = self.quantity("Iyz", "second moment of area", positive=False) if "Iyz" in self.table else 0.0
             if min(Iy, Iz, J) < 0 or product**2 > Iy * Iz:
-                raise self.wrong(
-                    "Iyz" if product else "Iy", "of a section: Iy, Iz and J positive, Iyz² below Iy Iz", "Correct it"
-                )
+                wanted = "of a section: Iy, Iz and J positive, Iyz² below Iy Iz"
+                raise self.wrong("Iyz" if product else "Iy", wanted, "Correct it")
             y, z = self.quantities("neutral_axis", 2 * ("length",)).tolist() if "neutral_axis" in self.table else (0.0, 0.0)
             shear = self.table.get("shear", [np.inf, np.inf])
             if not isinstance(shear, list) or len(shear) != 2 or not all(isinstance(k, float | int) and k > 0 for k in shear):

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem.mesh import solids
-from fem.mesh.deck_text import BEGIN, CARD, LARGEST_FILE, Coordinates, Line, deck_lines, keyword_of, real, text_lines
+from fem.mesh.deck_text import BEGIN, CARD, LARGEST_FILE, Coordinates, Line, deck_lines, keyword_of, properties, real, text_lines
 from fem.solid.assembly import require_gmsh, session
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers
@@ -71,6 +71,7 @@ class MeshFile:
     coordinates : systems and grid points as a deck of Nastran writes them; None of others
     called : names that comments of such a deck give its properties, by their numbers
     unit : [m] of its coordinates, where it states that and it is no metre, which many write who do not know; else 0
+    empty : names, in capitals, of sets that are stated and have no node that is there
     """
 
     source: str
@@ -82,6 +83,7 @@ class MeshFile:
     coordinates: Coordinates | None = None
     called: Mapping[str, str] = field(default_factory=dict)
     unit: float = 0.0
+    empty: frozenset[str] = frozenset()
 
     @property
     def names(self) -> list[str]:
@@ -187,7 +189,7 @@ class _Raw:
                 by_kind.setdefault(kind, []).append(index)
             if by_kind:
                 groups[name] = {kind: np.array(index, dtype=np.intp) for kind, index in by_kind.items()}
-        sets = {name: np.flatnonzero(np.isin(tags, members)) for name, members in self.node_groups.items()}
+        sets = {name: at for name, own in self.node_groups.items() if len(at := np.flatnonzero(np.isin(tags, own)))}
         points = np.array([self.nodes[tag] for tag in tags.tolist()], dtype=np.float64).reshape(-1, 3)
         return MeshFile(
             source=source,
@@ -195,10 +197,11 @@ class _Raw:
             points=points,
             cells=cells,
             groups=groups,
-            node_groups={name: members for name, members in sets.items() if len(members)},
+            node_groups=sets,
             coordinates=self.coordinates,
             called=self.called,
             unit=self.unit,
+            empty=frozenset(map(str.upper, {*self.groups, *self.node_groups} - {*groups, *sets})),
         )
 
 
@@ -266,17 +269,18 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
     node_groups: dict[str, list[int]] = {}
     spelt: dict[tuple[str, str], str] = {}  # a set is called as it is first, whatever capitals it has afterwards
     keyword, options, kind, pending, towards = "", dict[str, str](), "", list[int](), dict[int, tuple[int, int]]()
+    members = list[int]()
     for line in deck_lines(path):
         text = line.text.strip()
         if text.startswith("*"):
             keyword, options = keyword_of(text)
-            options |= {
-                key: spelt.setdefault((key, options[key].upper()), options[key]) for key in {"NSET", "ELSET"} & {*options}
-            }
+            options |= {k: spelt.setdefault((k, options[k].upper()), options[k]) for k in {"NSET", "ELSET"} & {*options}}
             pending = []
             if keyword in _ABAQUS_MAKES:
                 problem = f"it has *{text[1:]}, which is not followed"
                 raise BadInput(source=str(path), problem=problem, remedy="Write a flat file with all nodes and elements in it")
+            if keyword in ("NSET", "ELSET"):  # which may stay empty
+                members = (node_groups if keyword == "NSET" else groups).setdefault(options.get(keyword, ""), [])
             word, system = options.get("TYPE", "").upper(), options.get("SYSTEM", "R").upper()
             keyword = LOOSE.get(word, keyword) if keyword == "ELEMENT" else keyword  # whether or not it says how heavy
             if keyword == "SYSTEM" or (keyword == "NODE" and system != "R"):
@@ -303,7 +307,7 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
             if text.endswith(","):
                 continue
             tag, *own = pending
-            if kind == "line2" and len(own) == 3:  # the last tells the first axis of its section
+            if kind in BEAMS and len(own) == _count(kind) + 1:  # the last tells the first axis of its section
                 towards[tag] = own[0], own.pop()
             _once(elements.setdefault(kind, {}), tag, own[::2] + own[1::2] if kind == "line3" else own, str(path))
             pending = []
@@ -311,7 +315,6 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
                 groups.setdefault(options["ELSET"], []).append(tag)
         elif keyword in ("NSET", "ELSET"):
             table = node_groups if keyword == "NSET" else groups
-            members = table.setdefault(options.get(keyword, ""), [])
             if "GENERATE" in options:
                 start, stop, step = map(int, [*filter(None, fields), "1"][:3])
                 members += range(start, min(stop, start + 5_000_000) + 1, max(step, 1))
@@ -321,6 +324,8 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
                     members.append(int(field))
                 elif field:
                     members += table.get(spelt.get((keyword, field.upper()), field), [])
+    if gone := [tag for tag, ends in towards.items() if not nodes.keys() >= {*ends}]:
+        raise ValueError(f"element {gone[0]} is on, or turned by, a node that is not there")
     axes = {tag: np.subtract(nodes[to], nodes[one]) for tag, (one, to) in towards.items()}
     return _Raw(nodes=nodes, elements=elements, groups=groups, node_groups=node_groups, axes=axes)
 
@@ -392,7 +397,7 @@ def _nastran(path: Path, left_out: LeftOut) -> _Raw:
         top = max(dimension[tag] for tag in members)
         for tag in members:
             apart.setdefault(name if dimension[tag] == top else f"{name} {_WORDS[dimension[tag]]}", []).append(tag)
-    called = _property_names(path)
+    called = properties(path)
     apart |= {name: list(apart[number]) for number, name in called.items() if number in apart and name not in apart}
     nodes = {number: where.place(number) for number in where.grids}
     raw = _Raw(nodes=nodes, elements=elements, groups=apart, node_groups={}, coordinates=where, called=called)
@@ -456,33 +461,6 @@ def _beam_states(
     z = z / max(float(np.linalg.norm(z)), 1e-300)
     frame = np.array([x, np.cross(z, x), z])
     return to, np.array([off @ (frame if way == "O" else own) for off, way, own in zip(offsets, offt[1:], ways, strict=False)])
-
-
-_NAMED = re.compile(
-    r"\$HMNAME PROP\s+(\d+)\s*\"([^\"]+)\"|\$ Femap (?:with .*)?Property (\d+) : (.+)|\$ANSA_NAME(?:_COMMENT)?;(\d+);P\w+;([^;]+)"
-)
-"""Comments in which HyperMesh, Femap and ANSA name a property."""
-
-_NAMED_NEXT = re.compile(r"\$ (?:Elements and )?Element Properties for region : (.+)|\$\*\s+Property: (.+)")
-"""Comments of Patran and Simcenter, which name the property that comes next."""
-
-
-def _property_names(path: Path) -> dict[str, str]:
-    """Names of the properties of a deck of Nastran by their numbers, of those that its comments name like no other."""
-    found, following = dict[str, str](), ""
-    for line in deck_lines(path):
-        text = line.text.strip()
-        if match := _NAMED.match(text):
-            number, name = (one.strip() for one in match.groups() if one is not None)
-            found[number] = name
-        elif match := _NAMED_NEXT.match(text):
-            following = next(one for one in match.groups() if one is not None).strip()
-        elif following and re.match(r"P(?!ARAM)[A-Z]", text):
-            found[re.split(r"[,\s]+", text.replace("*", " "))[1]], following = following, ""
-    found = {number: re.sub(r"[:=,@]+", "-", name) for number, name in found.items()}  # which stand between parts of an effect
-    every = list(found.values())
-    named = {number: name for number, name in found.items() if name and every.count(name) == 1}
-    return {number: name for number, name in named.items() if not re.fullmatch(r"(\w+ )?\d+", name)}
 
 
 _WORDS = ("points", "lines", "faces", "volumes")
@@ -651,10 +629,9 @@ def _universal(path: Path) -> _Raw:
                 while len(own) < count and (line := next(rest, None)) is not None:
                     own += [int(word) for word in line.split()]
                 if code not in _UNIVERSAL_KINDS:
+                    problem = f"elements of type {code} are not known"
                     remedy = f"Known are {', '.join(map(str, sorted(_UNIVERSAL_KINDS)))}"
-                    raise BadInput(
-                        source=str(path), field="2412", problem=f"elements of type {code} are not known", remedy=remedy
-                    )
+                    raise BadInput(source=str(path), field="2412", problem=problem, remedy=remedy)
                 kind = _UNIVERSAL_KINDS[code]
                 _once(elements.setdefault(kind, {}), tag, [own[n] for n in _ROUND.get(kind, range(count))], str(path))
         elif number in (2435, 2452, 2467, 2477):

@@ -108,9 +108,8 @@ def structure(found: described.MeshDescription, mesh: files.MeshFile) -> Structu
     if not SMALLEST <= size <= LARGEST:
         fitting = [unit.name for unit in toml_file.UNITS.values() if SMALLEST <= size / found.length * unit.metres <= LARGEST]
         problem = f"with it the structure is {size:.4g} m long, which none is (1 mm to 5 km)"
-        raise found.refused(
-            "units", problem, f"In {' or '.join(fitting)} it would be of ordinary size" if fitting else "Check the mesh"
-        )
+        remedy = f"In {' or '.join(fitting)} it would be of ordinary size" if fitting else "Check the mesh"
+        raise found.refused("units", problem, remedy)
     _require_sound(found, points, blocks)
     elements, linked = _numbered(found, mesh, points, tags, blocks, sets)
     stiffness, mass, sections = assembled(elements)
@@ -170,9 +169,8 @@ def structure(found: described.MeshDescription, mesh: files.MeshFile) -> Structu
 
 def _new(found: described.MeshDescription, name: str, table: Mapping[str, Sparse], key: str) -> str:
     if name in table:
-        raise found.refused(
-            f"{key}.{name}", "has the name of a part, joint or spring that is there already", "Give it its own name"
-        )
+        problem = "has the name of a part, joint or spring that is there already"
+        raise found.refused(f"{key}.{name}", problem, "Give it its own name")
     return name
 
 
@@ -197,13 +195,11 @@ def _blocks(found: described.MeshDescription, mesh: files.MeshFile) -> Iterator[
                 )
                 raise found.refused(f"parts.{name}.{key}", f"is missing, and the group has {count} {what} elements", remedy)
             if given is not None and not count:
-                raise found.refused(
-                    f"parts.{name}.{key}", "belongs to shells or beams, of which the group has none", "Leave it out"
-                )
+                problem = "belongs to shells or beams, of which the group has none"
+                raise found.refused(f"parts.{name}.{key}", problem, "Leave it out")
         if not kinds:
-            raise found.refused(
-                f"parts.{name}", "the group holds no lines, faces or volumes", "Name the group that the part is made of"
-            )
+            problem = "the group holds no lines, faces or volumes"
+            raise found.refused(f"parts.{name}", problem, "Name the group that the part is made of")
         for kind, index in kinds.items():
             other = claimed[kind][index]
             if np.any(other >= 0):
@@ -225,7 +221,7 @@ def _blocks(found: described.MeshDescription, mesh: files.MeshFile) -> Iterator[
                 kind=ROD if rod else LINE if kind == "line3" else kind,
                 tags=np.tile(cells.tags[index], len(halves)),
                 nodes=np.vstack([cells.nodes[index][:, half] for half in halves]),
-                axes=None if cells.axes is None else cells.axes[index],  # a line of three nodes states none
+                axes=None if cells.axes is None else np.tile(cells.axes[index], (len(halves), 1)),
                 offsets=None if cells.offsets is None else cells.offsets[index] * found.length,
                 loose=None if cells.loose is None else cells.loose[index],
             )
@@ -665,9 +661,7 @@ class _Made:
         if at in self.found.places and self.found.places[at] != at:
             return self.motion(self.found.places[at], field)
         if (link := self.found.links.get(at)) and link.follows:
-            several = [
-                _chosen(self.found, self.sets, self.elements.node_tags, (one,), f"links.{at}.mean_of") for one in link.nodes
-            ]
+            several = [_chosen(self.found, self.sets, self.elements.node_tags, (n,), f"links.{at}.mean_of") for n in link.nodes]
             weights = np.repeat(link.weights or np.ones(len(several)), [len(one) for one in several])
             return self.elements.mean(np.concatenate(several), np.array(link.at), link.rotations, weights)
         nodes = _set(self.found, self.sets, at, field)
@@ -754,9 +748,8 @@ class _Made:
             problem = (
                 f"{len(loose)} {'body is' if len(loose) == 1 else 'bodies are'} not connected to {to}: {'; '.join(said)}{more}"
             )
-            raise found.refused(
-                "parts", problem, "Merge the nodes where parts touch, add a joint or link between them, or hold them"
-            )
+            remedy = "Merge the nodes where parts touch, add a joint or link between them, or hold them"
+            raise found.refused("parts", problem, remedy)
 
     def require_stated(self, made: Structure) -> None:
         """Refuse a mass or a centre of gravity that is not the stated one."""
@@ -775,6 +768,5 @@ class _Made:
         if stated.cog is not None and np.linalg.norm(cog - stated.cog) > text.COG * size:
             there, wanted = (", ".join(f"{1e3 * value:.5g}" for value in point) for point in (cog, stated.cog))
             problem = f"the mesh has its CoG at ({there}) mm where ({wanted}) mm is stated"
-            raise BadInput(
-                source=found.source, field="stated.cog", problem=problem, remedy="Check the frame, the units and the densities"
-            )
+            remedy = "Check the frame, the units and the densities"
+            raise BadInput(source=found.source, field="stated.cog", problem=problem, remedy=remedy)

@@ -712,9 +712,8 @@ def _beams(elements: Elements, block: Block, part: PartTable) -> tuple[Array, Ar
             (length, T), (_, moved) = (block.beam(k, elements.points, part, mass) for mass in (False, True))
         except ValueError:
             problem = f"the z axis of its section lies along element {block.tags[k]}, or the deck states none"
-            raise BadInput(
-                source=elements.source, field=f"parts.{block.part}.section", problem=problem, remedy="State another z_axis"
-            ) from None
+            where = f"parts.{block.part}.section"
+            raise BadInput(source=elements.source, field=where, problem=problem, remedy="State another z_axis") from None
         if (length := round(length, 12)) not in made:
             plain, more, less = (timoshenko(section, length, block.part) for section in sections)
             slope = (more.stiffness[block.part] - less.stiffness[block.part]) / (2 * STEP)

@@ -83,9 +83,8 @@ class Member:
             listed.append(Member(name=name.as_posix(), article=article, laboratory=laboratory, asked=of))
         if not listed:
             problem = "there is no campaign folder and no test file below it"
-            raise BadInput(
-                source="--each", field=str(folder), problem=problem, remedy="Name the folder that holds one for each article"
-            )
+            remedy = "Name the folder that holds one for each article"
+            raise BadInput(source="--each", field=str(folder), problem=problem, remedy=remedy)
         return tuple(listed)
 
 

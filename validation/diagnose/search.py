@@ -265,11 +265,8 @@ def backward_elimination(
             problem = data.problem(left)
             asks = evidence_threshold(added.named.family)
             try:
-                fit = (
-                    found.at.fit
-                    if alone
-                    else nearby(problem, FITTED, at.fit.by_name, worth=at.fit.cost + asks + SCREENING_MARGIN)
-                )
+                enough = at.fit.cost + asks + SCREENING_MARGIN
+                fit = found.at.fit if alone else nearby(problem, FITTED, at.fit.by_name, worth=enough)
             except CheckFailed:  # there is nothing to hold it against
                 continue
             rest = recentred(data, Candidate(effects=left, fit=fit, problem=problem))

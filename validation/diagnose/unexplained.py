@@ -305,9 +305,7 @@ def described(candidate: Candidate) -> Leftover:
     # A resonance at its own frequency and damping, not at that of the grid; anything else as it is
     f, zeta = best.course.frequency, best.course.ratio
     if f is not None and zeta is not None and best.sources:
-        tried = [
-            fit.resonance(float(f * (1 + step)), zeta * times) for step in np.linspace(-NEAR, NEAR, STEPS) for times in TIMES
-        ]
+        tried = [fit.resonance(float(f * (1 + step)), zeta * of) for step in np.linspace(-NEAR, NEAR, STEPS) for of in TIMES]
         answers = []
         for family, q in best.sources:
             of, omega = family.products, 2 * np.pi * family.products.frequency

@@ -251,9 +251,8 @@ def ready(
         if tare.hardware and described.hardware and tare.hardware != described.hardware:
             problem = f"is {tare.hardware}, that of {described.source} is {described.hardware}: another FMD, other sensors"
             remedy = "Such a tare says nothing about this FMD; --any-hardware combines the two all the same, and says so"
-            raise BadInput(
-                source=f"{tare.source}/{campaign_file.NAME}", field="campaign.hardware", problem=problem, remedy=remedy
-            )
+            where = f"{tare.source}/{campaign_file.NAME}"
+            raise BadInput(source=where, field="campaign.hardware", problem=problem, remedy=remedy)
     for tare, name in zip(below, names, strict=True):
         if Path(tare.source).resolve() == Path(described.source).resolve():
             problem = f"{tare.source} is the campaign itself"

@@ -314,3 +314,81 @@ def test_a_third_node_of_a_beam_tells_the_first_axis_of_its_section(tmp_path: Pa
     assert row is not None
     assert node is not None
     np.testing.assert_allclose(fixed_base(node, 3).frequency, fixed_base(row, 3).frequency, rtol=1e-9)
+
+
+def test_some_beams_with_a_third_node_and_some_without_are_said(tmp_path: Path) -> None:
+    """The row of their section turned all of them, without a word."""
+    text = pinned("1, 6", "").replace("*ELEMENT", "9, .5, 0., .02\n*ELEMENT").replace("2, 2, 3\n", "2, 2, 3, 9\n")
+    (lost,) = told(tmp_path, text)[2]
+    assert "BEAM SECTION e: which way those of its beams are turned that have a node which says it" in lost
+    with pytest.raises(BadInput, match="element 2 is on, or turned by, a node that is not there"):
+        told(tmp_path, text.replace("9, .5, 0., .02\n", ""))
+
+
+def test_a_beam_of_three_nodes_has_a_fourth_that_tells_its_first_axis(tmp_path: Path) -> None:
+    """It was refused: «element 1 has 4 nodes where a line3 has 3»."""
+    beam = pinned("1, 6", "").replace("1, 1, 2\n2, 2, 3\n", "1, 1, 2, 3{}\n").replace("TYPE=B31", "TYPE=B32")
+    row = told(tmp_path, beam.format(""))[0]
+    node = beam.replace("*ELEMENT", "9, .5, 0., .02\n*ELEMENT").replace("1., 0., 0.\n*B", "0., 1., 0.\n*B")
+    found = told(tmp_path, node.format(", 9"))[0]
+    assert row is not None
+    assert found is not None
+    np.testing.assert_allclose(fixed_base(found, 3).frequency, fixed_base(row, 3).frequency, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("cards", "lost"),
+    [
+        ("*NSET, NSET=NONE\n*BOUNDARY\nnone, 1, 3\n", "*BOUNDARY none: the set has no nodes"),
+        ("*NSET, NSET=FAR\n77, 78\n*BOUNDARY\nFAR, 1, 3\n", "*BOUNDARY FAR: the set has no nodes"),
+        ("*ELSET, ELSET=M\n*MASS, ELSET=M\n.5\n", "*MASS M: its set has no element of that kind"),
+        ("*NSET, NSET=NONE\n*RIGID BODY, NSET=NONE, REF NODE=3\n", "RIGID BODY NONE: it joins no node"),
+        ("*NSET, NSET=FAR\n77, 78\n", ""),
+        ("*BOUNDARY\nFOOT, 11, 11, 20.\n", ""),
+        ("*ELEMENT, TYPE=MASS, ELSET=M\n90, 3\n*ELSET, ELSET=Q, GENERATE\n1, 2, 0\n*MASS, ELSET=M\n.5\n", ""),
+    ],
+)
+def test_a_set_without_nodes_is_said_as_solvers_run_on(cards: str, lost: str, tmp_path: Path) -> None:
+    """Such a deck was refused as if the set were not there; a temperature was said to be a displacement."""
+    assert told(tmp_path, pinned("1, 6", "").replace("*STEP", f"{cards}*STEP"))[2] == ((lost,) if lost else ())
+
+
+def test_masses_may_stand_before_their_elements_and_sets(tmp_path: Path) -> None:
+    """They weighed nothing, and then were refused; CalculiX weighs them."""
+    lump, sets = "*ELEMENT, TYPE=MASS, ELSET=L\n90, 3\n", "*ELSET, ELSET=M\nL\n"
+    said = []
+    for cards in (f"{lump}{sets}*MASS, ELSET=M\n.5\n", f"*MASS, ELSET=M\n.5\n{lump}{sets}", f"*MASS, ELSET=M\n.5\n{sets}{lump}"):
+        said.append(told(tmp_path, pinned("1, 6", "").replace("*STEP", f"{cards}*STEP")))
+    assert all(one[1:] == said[0][1:] for one in said)
+    assert 'mass = "0.5 kg"' in said[0][1]
+
+
+@pytest.mark.parametrize(
+    ("cards", "words"),
+    [
+        ("*TRANSFORM, NSET=GONE\n0., 1., 0., -1., 0., 0.\n", "`line 20`: TRANSFORM names the set GONE, which is not there"),
+        (
+            "*SURFACE, NAME=S, TYPE=NODE\nGONE, 1.\n*COUPLING, CONSTRAINT NAME=C, REF NODE=3, SURFACE=S\n*KINEMATIC\n",
+            "`line 21`: SURFACE names the set GONE, which is not there",
+        ),
+    ],
+)
+def test_whatever_names_a_set_that_is_not_there_is_found(cards: str, words: str, tmp_path: Path) -> None:
+    """«line 0: it names the set GONE»."""
+    with pytest.raises(BadInput, match=words):
+        told(tmp_path, pinned("1, 6", "").replace("*BOUNDARY", f"{cards}*BOUNDARY"))
+
+
+def test_a_node_of_eight_figures_that_is_not_there_is_found_among_its_neighbours(tmp_path: Path) -> None:
+    big = 10_000_000
+    text = PLATE.format(axes="", cd="", held="SPC1,1,123456,1,4\n") + f"GRID,{big},,1.,1.,1.\n"
+    text = text.replace("ENDDATA\n", "") + f"RBE2    {1:8d}{big:8d}{123456:8d}{3:8d}{big + 9:8d}\nENDDATA\n"
+    with pytest.raises(BadInput, match=f"line 10`: RBE2 names node {big + 9}, which is not there"):
+        told(tmp_path, text, "deck.bdf")
+
+
+def test_a_taper_whose_output_is_not_asked_for_is_said(tmp_path: Path) -> None:
+    beam = "PBEAML,3,1,,BAR\n,.01,.02,,{},,.005,.01\nCBEAM,9,3,2,3,0.,0.,1.\n"
+    for word in ("YES", ""):
+        (lost,) = told(tmp_path, PLATE.format(axes="", cd="", held=f"SPC1,1,123456,1,4\n{beam.format(word)}"), "deck.bdf")[2]
+        assert lost == "PBEAML 3: a taper; it is as at its first end"
