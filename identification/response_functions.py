@@ -30,6 +30,9 @@ DEAF = 1.5
 """[1] Coherence of a channel in that of noise, up to which it reads nothing of the force that others read. Held by
 tests/identification/test_test_files.py."""
 
+PEAKS = 0.05
+"""[share] of the lines, as of two resonances, at which a channel that follows the force stands out of noise. Held there, too."""
+
 LARGEST = 1e100
 """No record reads more, in any unit."""
 
@@ -194,7 +197,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
         tuple(replace(one, position=where.get(one.place, one.position)) for one in each)
         for each in (whole.drives, whole.responses)
     )
-    return replace(
+    made = replace(
         whole,
         drives=drives,
         responses=read,
@@ -210,6 +213,29 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
         share=None if table.get("share") is None else _tolerance(table["share"], source, "share"),
         warnings=(*warnings, *whole.warnings),
     )
+    return _without_silent(made)
+
+
+def _without_silent(made: ResponseFunctions) -> ResponseFunctions:
+    """`made` without the responses that read nothing of the force which others read within its band, at no resonance either."""
+    within = (made.frequency >= made.band[0]) & (made.frequency <= made.band[1])
+    if made.coherence is None or made.averages < 2 or not within.any():
+        return made
+    # Of what has nothing to do with the force half of the lines exceed the former, and one of a hundred the latter
+    noise, rarely = 1 - np.array([0.5, 0.01]) ** (1 / (made.averages - 1))
+    heard, often = np.quantile(made.coherence[:, within], [0.5, 1 - PEAKS], axis=1).max(axis=1)
+    reads, best = (heard >= DEAF * noise) | (often > rarely), heard.max()
+    reads |= best <= DEAF**2 * noise
+    warnings = [
+        f"{made.source}: {at.name} is left out: it reads nothing of the force, its coherence is {share:.2g}; look at its cable"
+        for at, share, own in zip(made.responses, heard, reads, strict=True)
+        if not own
+    ]
+    if best < DEAF * noise and not np.any(often > rarely):
+        warnings.append(f"{made.source}: no response follows the force, the best coherence is {best:.2g}; look at its cell")
+    kept = tuple(one for one, own in zip(made.responses, reads, strict=True) if own)
+    values, coherence = made.values[:, :, reads], made.coherence[:, :, reads]
+    return replace(made, values=values, coherence=coherence, responses=kept, warnings=(*made.warnings, *warnings))
 
 
 def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
@@ -265,29 +291,12 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
             f"{n - high + low} lines outside {f[low]:g} to {f[high - 1]:g} Hz, where all functions are 0, are left out"
         )
     f, values = f[low:high], values[:, low:high]
-    known = all(one.coherence is not None for one in pieces)
-    coherence, kept = None, list(responses.values())
+    coherence = None
     _require_upright(f, values, source)
     averages = min(one.averages for one in pieces)
-    if known:
+    if all(one.coherence is not None for one in pieces):
         told = [[one.coherence[:n][low:high] for c in responses if (one := by_pair[d, c]).coherence is not None] for d in drives]
         coherence = np.array(told).transpose(0, 2, 1)
-    if coherence is not None and averages > 1:
-        of_noise = 1 - 0.5 ** (1 / (averages - 1))  # the median of what has nothing to do with the force
-        heard = np.max(np.median(coherence, axis=1), axis=0)
-        reads = (heard >= DEAF * of_noise) | (heard.max() <= DEAF**2 * of_noise)
-        warnings += [
-            f"{source}: {name} is left out: look at its cable, it reads nothing of the force and has a coherence of {share:.2g}"
-            for name, share, own in zip(responses, heard, reads, strict=True)
-            if not own
-        ]
-        kept, values, coherence = (
-            [one for one, own in zip(kept, reads, strict=True) if own],
-            values[:, :, reads],
-            coherence[..., reads],
-        )
-        if heard.max() < DEAF * of_noise:
-            warnings.append(f"{source}: no response follows the force, the best coherence is {heard.max():.2g}; look at its cell")
     return ResponseFunctions(
         source=source,
         title="",
@@ -295,7 +304,7 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
         frequency=f,
         values=values,
         drives=tuple(drives.values()),
-        responses=tuple(kept),
+        responses=tuple(responses.values()),
         coherence=coherence,
         averages=averages,
         band=(float(f[0]), float(f[-1])),
@@ -690,9 +699,7 @@ def _of_signals(
 def _columns(entry: Mapping[str, Any], responses: Sequence[Point], source: str) -> dict[str, list[str]]:
     """By response, or ``frequency``, the columns that hold it."""
     stated = toml_file.require_table(entry.get("columns", {}), source=source, where="columns")
-    named = {
-        alias: one.name for one in responses for alias in (one.place, one.name, f"{one.place}:{one.name.rpartition('-')[2]}")
-    }
+    named = {key: one.name for one in responses for key in (one.place, one.name, f"{one.place}:{one.name.rpartition('-')[2]}")}
     toml_file.require_known(stated, ("frequency", "time", "force", "response", *named), source=source, where="columns")
     return {
         named.get(key, key): [str(one) for one in (value if isinstance(value, list) else [value])]

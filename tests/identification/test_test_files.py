@@ -767,10 +767,28 @@ def test_a_channel_that_reads_nothing_of_the_force_is_left_out_and_said(tmp_path
         assert [one.name for one in found.responses] == (["a-z"] if name == "a" else ["a-z", "b-z"])
         assert found.values.shape[2] == found.coherence.shape[2] == len(found.responses)
     assert len(said[0]) == 1
-    assert "b-z is left out: look at its cable, it reads nothing of the force and has a coherence of 0.2" in said[0][0]
+    assert "b-z is left out: it reads nothing of the force, its coherence is 0.2" in said[0][0]
     assert said[1] == []
     assert len(said[2]) == 1
     assert "no response follows the force" in said[2][0]
+
+
+def test_a_channel_that_follows_the_force_at_resonances_or_within_the_band_alone_stays(tmp_path: Path) -> None:
+    """Half of its lines over all that the file holds are noise: it was left out, with all that it reads of the modes."""
+    rng, (force, x) = np.random.default_rng(5), blows_of(0.01)
+    near = x + 0.5 * x.std() * rng.standard_normal(len(x))
+    low = answer(force, frequency=20.0) + 0.5 * x.std() * rng.standard_normal(len(x))
+    for name, other, band in (("near", near, [5.0, 400.0]), ("low", low, [5.0, 60.0])):
+        files.write(
+            tmp_path / f"{name}.h5", Signals(source=name, samples={"force": force, "a-z": x, "b-z": other}, sampling_rate=RATE)
+        )
+        table = described(file=f"{name}.h5", drive="a", responses=["a", "b"], records={"kind": "hammer"}, band=band)
+        found = read(tmp_path, table)
+        assert found.coherence is not None
+        share = np.median(found.coherence[0, :, 1])
+        assert share < 0.3, (name, share)
+        assert [one.name for one in found.responses] == ["a-z", "b-z"], name
+        assert not [one for one in found.warnings if "the force" in one]
 
 
 @pytest.mark.parametrize(
