@@ -542,9 +542,9 @@ def placed_from_afar(
 
 
 def first_fit(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress) -> list[CandidateFit]:
-    """The fit beside `at` of that effect of `menu` which promises most; none of one that promises nothing."""
+    """The fit beside `at` of that effect of `menu` which promises most; none where it promises nothing, or leaves the band."""
     here, found = goodness_of_fit(at.fit, at.problem), sorted(screen(data, at, menu), key=lambda each: -each.evidence)
-    return _fits_of(here)(data, at, found[:1], progress)
+    return [one for one in _fits_of(here)(data, at, found[:1], progress) if in_band(data, one)]
 
 
 def _fits_of(here: GoodnessOfFit) -> Callable[..., list[CandidateFit]]:

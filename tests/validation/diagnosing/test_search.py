@@ -191,6 +191,15 @@ def test_a_resonator_that_left_the_band_gives_way_to_springs_and_masses():
     assert search._fits_in_band(BAND, found, lambda some: [there], stands(null=True)) == ([there], ())
 
 
+def test_a_resonator_that_leaves_the_band_gives_up_no_way_to_a_node(monkeypatch):
+    """It is no explanation, however little it leaves: nodes were held against it."""
+    in_place(monkeypatch, "goodness_of_fit", lambda fit, problem: SimpleNamespace(null=False, misfit=1.0))
+    monkeypatch.setattr(search, "screen", lambda data, at, menu: menu)
+    for one, kept in ((ended("slosh:mast-top=m:0.9,f:1.1,zeta:0.01", 90.0), 0), (ended("cable:hub-4:lateral=50", 90.0), 1)):
+        monkeypatch.setattr(search, "_fits_of", lambda here, one=one: lambda data, at, found, progress: [one])
+        assert len(search.first_fit(BAND, HERE, screened("cable:hub-4:lateral=50"), lambda what, share: None)) == kept
+
+
 def test_nothing_takes_the_place_of_a_resonator_where_another_leaves_nothing_of_what_is_missing():
     gone = ended("slosh:mast-top=m:0.9,f:1.1,zeta:0.01", 10.0)
     for null, count in ((True, 0), (False, 1)):
