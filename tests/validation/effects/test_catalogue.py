@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from numpy.testing import assert_allclose
 from identification.chain import chain
 from validation.effects import catalogue, effect, own
 from validation.effects.catalogue import FAMILIES, parse
+from validation.effects.families import opened
 from validation.virtual_test.plan import Plan, exact
 from validation.virtual_test.simulate import laboratory
 
@@ -26,6 +28,13 @@ WITH_EQUATION = [family for family in EVERY if family.change is not None]
 
 def by_name(family: effect.Family) -> str:
     return family.name
+
+
+def test_no_effect_of_the_folder_is_forgotten() -> None:
+    """The catalogue takes those of its `ORDER`; a table of opened.toml or a file beside it would be none, without a word."""
+    files = {path.stem.replace("_", "-") for path in Path(opened.__file__).parent.glob("*.py") if not path.name.startswith("_")}
+    assert files - {"opened"} | opened.FAMILIES.keys() == {*catalogue.ORDER}
+    assert not (files & opened.FAMILIES.keys())
 
 
 @pytest.fixture(scope="module")
