@@ -224,10 +224,13 @@ def rows_beside(structure: Structure, point: Array) -> Sparse:
 
 
 def position_of(structure: Structure, place: str) -> Array | None:
-    """(3,) [m] of a named place in the article's frame, by how it turns with the structure; None where that does not say."""
-    carried = np.asarray(structure.places[place] @ structure.rigid)
+    """(3,) [m] of a named place in the article's frame, by how it turns with the structure, or by the node that it is where that
+    does not move in all directions; None where neither says."""
+    rows = structure.places[place]
+    carried = np.asarray(rows @ structure.rigid)
     if carried.shape != (3, 6) or not np.allclose(carried[:, :3], np.eye(3), atol=1e-6):
-        return None
+        nodes = np.flatnonzero(np.isin(structure.translations, rows.tocoo().col).any(axis=1))  # of a frame in a plane
+        return np.array(structure.points[nodes[0]]) if len(nodes) == 1 else None
     turns = carried[:, 3:]  # -[a], a the arm from the reference point
     return np.asarray(structure.reference_point + np.array([turns[1, 2], turns[2, 0], turns[0, 1]]))
 

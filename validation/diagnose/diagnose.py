@@ -130,8 +130,7 @@ def diagnosed(
         every, best = found_nodes(base, lambda share: look(share / 3))
         wanted = partial(candidates.looked_for, only=only, leave_out=leave_out)
         nodes = tuple(one for one in best if wanted(one.named))
-        asked = menu if only else candidates.candidates(right, leave_out=leave_out)
-        named = partial(first_fit, right, base, asked, tell)
+        named = partial(first_fit, right, base, menu if only else candidates.candidates(right, leave_out=leave_out), tell)
         if fitted := without_a_name(right, base, nodes, wanted, lambda share: look((1 + 2 * share) / 3), named):
             again = {one.kind for one in fitted}
             nodes = (*fitted, *(one for one in nodes if one.kind not in again))

@@ -543,8 +543,8 @@ def placed_from_afar(
 
 def first_fit(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress) -> list[CandidateFit]:
     """The fit beside `at` of that effect of `menu` which promises most; none where it promises nothing, or leaves the band."""
-    here, found = goodness_of_fit(at.fit, at.problem), sorted(screen(data, at, menu), key=lambda each: -each.evidence)
-    return [one for one in _fits_of(here)(data, at, found[:1], progress) if in_band(data, one)]
+    fits = _fits_of(goodness_of_fit(at.fit, at.problem))
+    return [one for one in fits(data, at, screen(data, at, menu)[:1], progress) if in_band(data, one)]
 
 
 def _fits_of(here: GoodnessOfFit) -> Callable[..., list[CandidateFit]]:
@@ -560,8 +560,7 @@ def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress,
             brought = max(each.evidence, node.evidence + node.looked)
             found[k] = replace(each, added=replace(each.added, named=node.named), evidence=brought, begin=node.fit)
     found.sort(key=lambda each: -each.evidence)
-    fits = _fits_of(here)
-    tried, gone = _fits_in_band(data, found, lambda some: fits(data, at, some, progress), here)
+    tried, gone = _fits_in_band(data, found, lambda some: _fits_of(here)(data, at, some, progress), here)
     tried = _restarted_where_stuck(data, at, here, tried, found, progress)
     tried = ranked([replace(one, looked=known[one.id].looked) if one.id in known else one for one in tried])
     good = bool(tried) and is_accepted(tried[0])

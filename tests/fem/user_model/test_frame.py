@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 
 from fem.modes import fixed_base, lowest
-from fem.structure import hold, place_rows
+from fem.structure import gradients, hold, place_rows, position_of, shifted
 from fem.user_model import frame, reading
 from geometry.errors import BadInput
 from geometry.toml_file import STANDARD_GRAVITY
@@ -164,6 +164,21 @@ def test_a_point_between_nodes_moves_as_the_beam_bends_there(count: int) -> None
         assert_allclose(moved, [x**2 * (3 - x) / 2 * (force @ u), 0, 0], rtol=1e-3, atol=1e-3 * (force @ u))  # shear, joints
     with pytest.raises(BadInput, match="lies 200 mm outside the mesh"):
         place_rows(found, [0.0, 0.0, 1.2])
+
+
+@pytest.mark.parametrize("moves", [["x", "z", "ry"], ["x", "ry"], ["x", "y", "z", "rx", "ry", "rz"]])
+def test_a_place_of_a_frame_is_where_its_node_is_and_moves_beside_it_as_the_beam_does(moves: list[str]) -> None:
+    """In a plane nothing said where: no blow and no pick-up beside its point was looked for, and 30 mm were not found."""
+    found = frame.structure(CANTILEVER | {"elements": 4, "moves": moves}, "rod")
+    at = position_of(found, "tip")
+    assert at is not None
+    assert_allclose(at, [0, 0, 1], atol=1e-12)
+    u = np.linalg.solve(found.stiffness.toarray(), found.places["tip"].toarray()[0])
+    ways = gradients(found, ["tip"], u[:, None])["tip"][..., 0]
+    beside = [place_rows(found, [0.0, 0.0, 1.0 - by])[0] @ u - place_rows(found, at)[0] @ u for by in (0.005, 0.03)]
+    for by, moved in zip((0.005, 0.03), beside, strict=True):
+        assert_allclose(shifted(ways[2], -by)[0][0], moved[0], rtol=0.02)
+    assert abs(beside[1][0]) > 0.04 * abs(found.places["tip"].toarray()[0] @ u)
 
 
 @pytest.mark.parametrize("moves", [["x"], ["x", "y", "z", "rx", "ry", "rz"]])
