@@ -130,13 +130,14 @@ def diagnosed(
         every, best = found_nodes(base, lambda share: look(share / 3))
         wanted = partial(candidates.looked_for, only=only, leave_out=leave_out)
         nodes = tuple(one for one in best if wanted(one.named))
-        named = partial(first_fit, right, base, menu if only else candidates.candidates(right, leave_out=leave_out), tell)
+        menu = menu if only else candidates.candidates(right, leave_out=leave_out)
+        named = partial(first_fit, right, base, menu, tell)
         if fitted := without_a_name(right, base, nodes, wanted, lambda share: look((1 + 2 * share) / 3), named):
             again = {one.kind for one in fitted}
             nodes = (*fitted, *(one for one in nodes if one.kind not in again))
             right = right.ready_at([one.named.target for one in fitted])
             base = diagnosis.Candidate(effects=(), fit=right.all_free(begin=fit), problem=right.problem())
-        menu = menu if only else candidates.candidates(right, leave_out=leave_out)
+            menu = menu if only else candidates.candidates(right, leave_out=leave_out)
         right, at, steps = stepwise_search(right, base, menu, tell, elsewhere if every else None, fitted)
         for _, hertz in odd:
             tried = swinging(right, base, hertz, wanted)

@@ -593,9 +593,8 @@ def without_a_name(
     parameter, and what no place that has a name explains as well. As a fit of all tolerances left them, the best first.
 
     A large fault has the fit without it move tolerances far, and then a node is not seen where it is. So the mesh is asked from
-    the tolerances as they are declared, too; the best places are fitted, and the mesh is asked again around each with the
-    tolerances as they are beside the effect. `progress` hears the share done; `rivals` are fits of what has a name: where one
-    leaves nothing, no way to a node is worth its end that does not come as low.
+    the tolerances as they are declared, too; the best are fitted, and the mesh is asked again around each beside the effect.
+    No way goes on that cannot come as low as a fit of `rivals` that leaves nothing; `progress` hears the share done.
     """
     seen = [one for one in nodes if _is_worth(one)]
     if not seen and goodness_of_fit(base.fit, base.problem).null:
@@ -612,7 +611,7 @@ def without_a_name(
         both += [(one, far) for one in listed if (one.article, one.kind) in kinds]
     both += [(each, False) for each in seen if each.kind == RESONATOR]
     begins = [(each, far, named) for each, far in both for named in (each.named, each.straight) if named is not None]
-    least, tried = -np.inf, list(rivals() if begins else ())  # of what is seen from where tolerances are declared, beside a null
+    tried, least = list(rivals() if begins else ()), -np.inf  # of what is seen from home, beside a fit that leaves nothing
     for k, (one, from_afar, here) in enumerate(begins):
         progress((1 + k / len(begins)) / 2)
         kind, most, some, beside = one.kind, -np.inf, [here], None
