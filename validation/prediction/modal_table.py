@@ -44,6 +44,9 @@ FREQUENCY, DAMPING = "frequency", "damping"
 WINDOW = "exponential-window"
 """A fault of the method, a parameter where an effect opens it."""
 
+READ_ALONE = (*points.RESPONSES, "accelerometer-gain", WINDOW)
+"""Families that change what is read of modes, not these."""
+
 LOSSES = ("loss", "damping", "coupling", "structural-damping", *LAWS)
 """Families of parameters that change what a mode loses, and neither its frequency nor its shape."""
 
@@ -285,15 +288,18 @@ class _TablePart(ABC):
         wanted = derivatives if isinstance(derivatives, bool) else frozenset(derivatives)
         if self.table.damping_deviation is None and not isinstance(wanted, bool):  # real modes do not know what they lose
             wanted = frozenset(name for name in wanted if name.partition(":")[0] not in LOSSES)
+        moving = frozenset((name, x) for name, x in offsets.items() if x and name.partition(":")[0] not in READ_ALONE)
         fixed = tuple((one.named.id, *one.named.values.items()) for one in self.effects if one.fixed)
-        key, last = (id(self.table), tuple(offsets.items()), stand, fixed, wanted), self.structure.last
+        last, key, read = self.structure.last, (moving, stand, wanted), (id(self.table), fixed)
         if last.get("key") != key:
             matrices, tangents = dynamic_mass.structure(self.structure, offsets, acting, derivatives=wanted)
-            modes = real_modes(matrices)
+            last |= {"key": key, "modes": (real_modes(matrices), tangents), "read": None}
+        modes, tangents = last["modes"]
+        if last["read"] != read:
             every = partners(modes, self.table, self.effects)
             moved = {name: modes.changed(every, tangent) for name, tangent in tangents.items()} if wanted else {}
-            last |= {"key": key, "table": self.table, "made": (modes, every, moved)}
-        modes, every, moved = last["made"]
+            last |= {"read": read, "table": self.table, "paired": (every, moved)}
+        every, moved = last["paired"]
         if self.modes != tuple(range(len(every))):
             every, moved = tuple(every[k] for k in self.modes), {name: one.on(self.modes) for name, one in moved.items()}
         return modes, every, moved, effects
@@ -406,8 +412,8 @@ class _TablePart(ABC):
                 key, last = (id(whole), id(self.table), K.tobytes(), M.tobytes()), self.structure.last
                 if last.get("attached") != key:  # frequencies and shapes ask one after the other
                     there = real_modes(replace(whole, mass=M, stiffness=K))
-                    last |= {"attached": key, "of": whole, "modes": (there, partners(there, self.table, self.effects))}
-                there, every = last["modes"]
+                    last |= {"attached": key, "of": whole, "pairs": (there, partners(there, self.table, self.effects))}
+                there, every = last["pairs"]
                 return self._modes_read(there, [every[k] for k in self.modes], known, effects)
 
             return read
