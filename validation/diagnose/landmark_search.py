@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -18,7 +18,7 @@ from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS, STRUCTURE, evidence_threshold
 from validation.estimation.fit import BREAKDOWNS, COARSE, RESTARTS, STRIDE, nearby
 from validation.estimation.likelihood import ends_of
-from validation.estimation.problem import FITTED, Fit, Parameter
+from validation.estimation.problem import FITTED, Fit, Offsets, Parameter
 from validation.model.model import Added
 from validation.prediction.effects import name
 from validation.prediction.landmarks import Landmark, tolerances
@@ -33,7 +33,8 @@ from validation.study import Study
 #     chi² = r^T (1 + J T² J^T)^-1 r .
 #
 # Each candidate is looked at over its whole plausible range, the best are fitted, and beside the best few of these all others
-# again, up to `MOST_EFFECTS` at once: two effects may do together what neither does alone. An effect whose size mechanics states
+# again, up to `MOST_EFFECTS` at once: two effects may do together what neither does alone. Logarithms nearly add: what one moves
+# by itself says which others are worth a look there, and at which of their sizes. An effect whose size mechanics states
 # has no free size; it is there or not. Sizes of others are known to an order of magnitude beforehand, by a Cauchy density of
 # their plausible size.
 #
@@ -51,8 +52,9 @@ MOST_EFFECTS = 3
 KEPT = 3
 """[count] of explanations beside which others are looked for. Held by tests/validation/diagnosing/test_landmark_search.py."""
 
-LOOKED_AT = 40
-"""[count] of effects that are looked at beside another. Held by tests/validation/diagnosing/test_landmark_search.py."""
+LOOKED_AT = 20
+"""[count] of effects that are looked at beside others, those that should do most there. Held by
+tests/validation/diagnosing/test_landmark_search.py."""
 
 OF_A_FAMILY = 2
 """[count] of these whose newest effect is of one family, for where one joint yields others nearly do, too. Held by
@@ -103,14 +105,19 @@ class LandmarkFit:
     ----------
     effects : at these sizes
     sizes : (p,) offsets of the free ones, in plausible sizes
-    chi2 : of the landmarks, tolerances taken out
+    residual : (n,) of the landmarks, tolerances taken out
     curvature : (p, p) half the second derivatives of `chi2`
     """
 
     effects: tuple[Added, ...] = ()
     sizes: Array = field(default_factory=lambda: np.zeros(0))
-    chi2: float
+    residual: Array
     curvature: Array = field(default_factory=lambda: np.zeros((0, 0)))
+
+    @property
+    def chi2(self) -> float:
+        """Of the landmarks, tolerances taken out."""
+        return float(self.residual @ self.residual)
 
     @property
     def ids(self) -> frozenset[str]:
@@ -142,6 +149,7 @@ class DistantView:
     """
 
     marks: tuple[Landmark, ...]
+    _moved: dict[str, tuple[tuple[Added, ...], Array]] = field(default_factory=dict, init=False)
 
     @cached_property
     def number(self) -> float:
@@ -174,12 +182,18 @@ class DistantView:
 
     def residual(self, effects: Sequence[Added]) -> Array:
         """(n,) with `effects` at their sizes, whitened."""
-        given = [replace(one, fixed=True) for one in effects]
+        return self._seen([replace(one, fixed=True) for one in effects], {})[0]
+
+    def _seen(self, effects: Sequence[Added], offsets: Offsets) -> tuple[Array, Array]:
+        """(n,) with `effects` at these offsets of those that are free, whitened, and (n, p) its derivatives by `offsets`."""
         try:
-            left = np.concatenate([one.at({}, given)[0] for one in self.marks])
+            seen = [one.at(offsets, effects, derivatives=tuple(offsets)) for one in self.marks]
         except BREAKDOWNS:
-            return np.full(len(self.root), AWAY)
-        return np.asarray(solve_triangular(self.root, np.nan_to_num(left, nan=AWAY), lower=True, check_finite=False))
+            return np.full(len(self.root), AWAY), np.zeros((len(self.root), len(offsets)))
+        moved = [np.column_stack([left, *(by.get(which, np.zeros(len(left))) for which in offsets)]) for left, by in seen]
+        whole = np.nan_to_num(np.vstack(moved), nan=AWAY)
+        whole = solve_triangular(self.root, whole, lower=True, check_finite=False, overwrite_b=True)
+        return whole[:, 0], whole[:, 1:]
 
     def sizes(self, effects: Sequence[Added]) -> tuple[Parameter, ...]:
         """The free sizes of `effects`, in their order."""
@@ -193,38 +207,51 @@ class DistantView:
 
         free = self.sizes(effects)
         if not free:
-            return LandmarkFit(effects=tuple(effects), chi2=float(np.sum(self.residual(effects) ** 2)))
+            return LandmarkFit(effects=tuple(effects), residual=self.residual(effects))
         scale = np.array([one.tolerance for one in free])
         low, high = (np.array([one.bounds(plain=False)[end] for one in free]) / scale for end in (0, 1))
 
+        @lru_cache(maxsize=2)  # for the residual and for its derivatives
+        def seen(x: tuple[float, ...]) -> tuple[Array, Array]:
+            return self._seen(effects, {one.name: each for one, each in zip(free, np.array(x) * scale, strict=True)})
+
         def left(x: Array) -> Array:
-            return np.concatenate([self.residual(at_offsets(effects, free, x * scale)), np.sqrt(2 * np.log1p(x**2))])
+            return np.concatenate([seen(tuple(x))[0], np.sqrt(2 * np.log1p(x**2))])
+
+        def slope(x: Array) -> Array:
+            straight = np.divide(x, np.sqrt(np.log1p(x**2)), out=np.ones_like(x), where=x != 0)
+            return np.vstack([seen(tuple(x))[1] * scale, np.diag(np.sqrt(2.0) * straight / (1 + x**2))])
 
         start = np.clip(np.array([one.start for one in free]) / scale, low, high)
         inside = np.clip(start, low + 1e-6 * np.minimum(high - low, 1.0), high - 1e-6 * np.minimum(high - low, 1.0))
         size = np.maximum(np.abs(start), 0.1)
-        found = least_squares(left, inside, bounds=(low, high), x_scale=size, max_nfev=TRIALS, diff_step=1e-4)
+        found = least_squares(left, inside, bounds=(low, high), x_scale=size, max_nfev=TRIALS, jac=slope)
         J, r = found.jac[: -len(free)], found.fun[: -len(free)]
-        return LandmarkFit(
-            effects=at_offsets(effects, free, found.x * scale), sizes=found.x, chi2=float(r @ r), curvature=J.T @ J
-        )
+        return LandmarkFit(effects=at_offsets(effects, free, found.x * scale), sizes=found.x, residual=r, curvature=J.T @ J)
+
+    def moved(self, one: Added) -> tuple[tuple[Added, ...], Array]:
+        """`one` at each of its sizes, and what it moves the residual of the model as it is by (s, n)."""
+        if one.named.id not in self._moved:
+            (free,) = self.sizes((one,))
+            x, home = sizes(free, OCTAVES), self.residual(())
+            there = tuple(at_offsets((one,), (free,), [each])[0] for each in x)
+            linear = FAMILIES[one.named.family].side != STRUCTURE  # one of a channel
+            asked = [self.residual((each,)) - home for each in (there[:1] if linear else there)]
+            self._moved[one.named.id] = there, np.outer(x / x[0], asked[0]) if linear else np.array(asked)
+        return self._moved[one.named.id]
+
+    def guessed(self, at: LandmarkFit, one: Added) -> Array:
+        """(s,) chi² with `one` at each of its sizes beside the effects of `at`, as if it moved landmarks as by itself."""
+        return np.asarray(np.sum((at.residual + self.moved(one)[1]) ** 2, axis=1))
 
     def scanned(self, at: LandmarkFit, one: Added) -> tuple[float, Added]:
-        """chi² and size of `one` beside the effects of `at` where it is least; of a channel, which is linear, by one step."""
-        (free,) = self.sizes((one,))
-        low, high = free.bounds(plain=False)
-
-        def there(offset: float) -> tuple[float, Added]:
-            (moved,) = at_offsets((one,), (free,), [offset])
-            return float(np.sum(self.residual((*at.effects, moved)) ** 2)), moved
-
-        if FAMILIES[one.named.family].side != STRUCTURE:
-            step = 0.1 * free.tolerance
-            here = self.residual(at.effects)
-            moved = (self.residual((*at.effects, there(step)[1])) - here) / step
-            square = float(moved @ moved)
-            return there(float(np.clip(-moved @ here / square, low, high)) if square > 0 else step)
-        return min((there(float(x)) for x in sizes(free, OCTAVES)), key=lambda each: each[0])
+        """chi² and size of `one` beside the effects of `at` where it is least: of that where it should be, and of the next."""
+        there, guess = self.moved(one)[0], self.guessed(at, one)
+        k = int(np.argmin(guess))
+        near = range(max(k - 1, 0), min(k + 2, len(there))) if at.effects else (k,)
+        return min(
+            ((float(np.sum(self.residual((*at.effects, there[j])) ** 2)), there[j]) for j in near), key=lambda each: each[0]
+        )
 
     def groups(self, menu: Sequence[Added]) -> list[list[Added]]:
         """Those of `menu` that have one free size and move the landmarks, the alike together."""
@@ -460,16 +487,14 @@ class FromAfar:
 
         def beside(some: Sequence[LandmarkFit], done: float) -> list[LandmarkFit]:
             """The nodes with one effect more than `some`, of those that come nearest."""
-            nonlocal firsts
             made: dict[frozenset[str], LandmarkFit] = {}
             for k, node in enumerate(some):
                 progress("looking from afar", (done + k / len(some)) / (MOST_EFFECTS + 1))
                 asked.add(node.ids)
-                others = [one for one in firsts if one.named.id not in node.ids]
-                looked = sorted((view.scanned(node, one) for one in others), key=lambda each: each[0])
-                if node is start:  # what does least by itself is not looked at beside others where there is very much
-                    best_first = {there.named.id: place for place, (_, there) in enumerate(looked)}
-                    firsts = sorted(firsts, key=lambda one: best_first[one.named.id])[:LOOKED_AT]
+                others = sorted(
+                    (one for one in firsts if one.named.id not in node.ids), key=lambda one: view.guessed(node, one).min()
+                )
+                looked = sorted((view.scanned(node, one) for one in others[:LOOKED_AT]), key=lambda each: each[0])
                 for there in _diverse([there for _, there in looked], TRIED):
                     if (ids := node.ids | {there.named.id}) not in made:
                         made[ids] = nodes.get(ids) or view.explained((*node.effects, there))
