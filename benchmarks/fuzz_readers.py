@@ -364,7 +364,7 @@ def _numbers(described: Path) -> tuple[float, ...]:
     if described.suffix in toml_file.DECKS:
         written, lost = deck.described(described)
         if lost:
-            raise BadInput(source=str(described), problem=lost[0], remedy="")
+            raise BadInput(str(described), "", lost[0], "")
         described = described.with_suffix(".toml")
         described.write_text(written, encoding="utf-8")
     found = reading.load(described).model

@@ -104,16 +104,14 @@ def meeting_point(normals: Sequence[tuple[UFloat, UFloat]], offsets: Sequence[UF
     lines = list(zip(normals, offsets, strict=True))
     if len(lines) < 2:
         problem = f"at least two plumb lines must cross, found {len(lines)}"
-        raise BadInput(
-            source="plumb lines", field="orientations", problem=problem, remedy="Hang the body in another orientation too"
-        )
+        raise BadInput("plumb lines", "orientations", problem, "Hang the body in another orientation too")
     corners = []
     for (n, c), (m, d) in combinations(lines, 2):
         determinant = n[0] * m[1] - n[1] * m[0]
         if abs(nominal_value(determinant)) < PARALLEL:
             problem = "two plumb lines are parallel within 0.06 deg"
             remedy = "Hang the body in a clearly different orientation"
-            raise BadInput(source="plumb lines", field="orientations", problem=problem, remedy=remedy)
+            raise BadInput("plumb lines", "orientations", problem, remedy)
         corners.append(((c * m[1] - d * n[1]) / determinant, (n[0] * d - m[0] * c) / determinant))
     x, z = (sum(corner[i] for corner in corners) / len(corners) for i in (0, 1))
     return x, z

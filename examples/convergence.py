@@ -110,7 +110,7 @@ def convergence_study(
     h = np.asarray(sizes, dtype=np.float64)
     if len(h) < 3 or np.any(np.diff(h) >= 0) or h[-1] <= 0:
         problem = f"needs three or more positive sizes, from coarse to fine, found {h.tolist()}"
-        raise BadInput(source="convergence study", field="sizes", problem=problem, remedy="Give for example 30, 20 and 14 mm")
+        raise BadInput("convergence study", "sizes", problem, "Give for example 30, 20 and 14 mm")
     frequency, unknowns = [], []
     for size in h:
         structure = structure_of(float(size))

@@ -92,10 +92,10 @@ def floating_frame(structure: Structure, count: int, *, flight: Flight | None = 
         whole = "every degree of freedom must move a point along x, y or z, and held points must be held wholly"
         large = f"exudyn factorises full matrices up to {LARGEST} degrees of freedom here, found {n}"
         raise BadInput(
-            source="exudyn's flexible body",
-            field="translations" if wrong else "mass",
-            problem=f"{whole}; found {wrong}" if wrong else large,
-            remedy=f"Use a {'solid model' if wrong else 'coarser mesh'}, or exudyn's native beams",
+            "exudyn's flexible body",
+            "translations" if wrong else "mass",
+            f"{whole}; found {wrong}" if wrong else large,
+            f"Use a {'solid model' if wrong else 'coarser mesh'}, or exudyn's native beams",
         )
     with running("make a flexible body of the solid") as exudyn:
         from exudyn import FEM
@@ -143,7 +143,7 @@ def modes_of_solid(structure: Structure, count: int = 30) -> Modes:
     """
     if count < 1:
         problem = f"at least one mode is needed, found {count}"
-        raise BadInput(source="modes", field="count", problem=problem, remedy="Ask for 30")
+        raise BadInput("modes", "count", problem, "Ask for 30")
     body = floating_frame(structure, count)
     system = linearise_body(body.system, count)
     losses = 2 * DEFAULT_RATIO * system.stiffness

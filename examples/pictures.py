@@ -76,7 +76,7 @@ def contact_sheet(paths: Sequence[Path], path: Path, about: str = "") -> None:
     from PIL.PngImagePlugin import PngInfo
 
     if not paths:
-        raise BadInput(source=str(path), field="paths", problem="no picture was given", remedy="Give at least one")
+        raise BadInput(str(path), "paths", "no picture was given", "Give at least one")
     rows = -(-len(paths) // COLUMNS)
     sheet = Image.new("RGB", (COLUMNS * TILE[0], rows * TILE[1]), "white")
     for index, tile in enumerate(paths):
@@ -86,7 +86,7 @@ def contact_sheet(paths: Sequence[Path], path: Path, about: str = "") -> None:
                 sheet.paste(image.convert("RGB").resize(TILE, Image.Resampling.LANCZOS), (column * TILE[0], row * TILE[1]))
         except OSError as error:
             problem = f"this is no picture that can be read ({error})"
-            raise BadInput(source=str(tile), problem=problem, remedy="Draw it again") from None
+            raise BadInput(str(tile), "", problem, "Draw it again") from None
     octree, plain = Image.Quantize.FASTOCTREE, Image.Dither.NONE
     finished = sheet.quantize(COLOURS, method=octree, dither=plain) if path.suffix == ".png" else sheet
     more: dict[str, Any] = {}

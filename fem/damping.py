@@ -210,4 +210,4 @@ def symmetric(matrix: Array) -> Array:
 
 
 def _bad(name: str, problem: str, remedy: str) -> BadInput:
-    return BadInput(source="damping", field=name, problem=problem, remedy=remedy)
+    return BadInput("damping", name, problem, remedy)

@@ -121,7 +121,7 @@ def require_memory(matrix: Sparse, name: str, leaner: str | None = None) -> None
         leave = f"use the leaner factoriser {leaner} (pip install massline[fast])" if leaner else "use a larger machine"
         problem = f"{matrix.shape[0]} degrees of freedom would need about {_gb(needed)}, and {_gb(free)} are available"
         remedy = f"Use a coarser mesh or fewer layers of elements, a beam model, or {leave}"
-        raise BadInput(source="factorisation", field=name, problem=problem, remedy=remedy)
+        raise BadInput("factorisation", name, problem, remedy)
 
 
 def predicted_bytes(matrix: Sparse, name: str) -> float:
@@ -354,10 +354,10 @@ def choose(matrix: Sparse, definite: bool, name: str | None = None) -> str:
     one_of(name, NAMES, source="factoriser", where="name")
     if name not in installed():
         problem = f"the library {_LIBRARIES[name]} is not installed"
-        raise BadInput(source="factoriser", field=name, problem=problem, remedy="Install massline[fast], or use superlu")
+        raise BadInput("factoriser", name, problem, "Install massline[fast], or use superlu")
     if name == "cholmod" and not _real_definite(matrix, definite):
         problem = "it serves real positive definite matrices only, and this one is complex or shifted into its spectrum"
-        raise BadInput(source="factoriser", field=name, problem=problem, remedy="Use superlu or pardiso")
+        raise BadInput("factoriser", name, problem, "Use superlu or pardiso")
     return name
 
 

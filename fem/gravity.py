@@ -110,4 +110,4 @@ def carried(structure: Structure, part: str, axis: int = 0) -> float:
 
 
 def _wrong(part: str, problem: str, remedy: str) -> BadInput:
-    return BadInput(source="gravity", field=part, problem=problem, remedy=remedy)
+    return BadInput("gravity", part, problem, remedy)

@@ -342,7 +342,7 @@ def fixed_base(
     CheckFailed : part of the structure is not held or swings freely, or a mode was missed.
     """
     if count < 1:
-        raise BadInput(source="modes", field="count", problem=f"at least one mode is needed, found {count}", remedy="Ask for 30")
+        raise BadInput("modes", "count", f"at least one mode is needed, found {count}", "Ask for 30")
     held = hold(structure)
     check_connected(structure)
     if structure.floating:

@@ -181,11 +181,10 @@ def place_rows(
         try:
             return list(structure.elements.rows(points))
         except BadInput as error:  # says nothing of who asked
-            raise BadInput(source=source, field=field, problem=error.problem, remedy=error.remedy) from None
+            raise BadInput(source, field, error.problem, error.remedy) from None
     if not len(structure.points):
         known = ", ".join(list(structure.places)[:20]) or "its nodes or degrees of freedom"
-        problem = "has no known motion: the structure has no coordinates"
-        raise BadInput(source=source, field=field, problem=problem, remedy=f"A place is named there: {known}")
+        raise BadInput(source, field, "has no known motion: the structure has no coordinates", f"A place is named there: {known}")
     from scipy.spatial import cKDTree
 
     at = np.asarray(points, dtype=np.float64).reshape(-1, 3)
@@ -201,7 +200,7 @@ def place_rows(
             if unplaced:
                 problem = f"lies {distances[0]:.4g} m from all nodes, and rows that are of none of these move it, too"
                 remedy = f"{nearest}; {BRING}"
-            raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
+            raise BadInput(source, field, problem, remedy)
         turning = structure.rotations[first] if len(structure.rotations) else np.full(3, -1)
         if np.all(turning >= 0):
             rows, values = np.append(structure.translations[first], turning), np.hstack([np.eye(3), -skew(arm)])

@@ -39,7 +39,7 @@ class Material:
         if not 0 < self.density < float("inf"):
             problem = f"a density must be positive and finite, found {self.density:g} kg/m³"
             remedy = "Give it in kg/m³ (steel about 7850, aluminium about 2700)"
-            raise BadInput(source=f"material {self.name}", field="density", problem=problem, remedy=remedy)
+            raise BadInput(f"material {self.name}", "density", problem, remedy)
 
 
 @cache
@@ -70,7 +70,7 @@ def material(name: str, source: str = "material") -> Material:
         return library()[name]
     except KeyError:
         remedy = f"Known are {', '.join(sorted(library()))}; or state a density"
-        raise BadInput(source=source, field="material", problem=f"no material is called {name!r}", remedy=remedy) from None
+        raise BadInput(source, "material", f"no material is called {name!r}", remedy) from None
 
 
 # Shapes as data: boxes and cylinders that add material, boxes and cylinders that take it away.

@@ -111,19 +111,19 @@ def read(path: Path, chord: float | None = None) -> tuple[Body, ...]:
     content = path.read_bytes()
     require_fetched(content, source)
     if not content[:256].lstrip().startswith(b"ISO-10303-21"):
-        raise BadInput(source=source, problem="it is not a STEP file (it does not begin with ISO-10303-21)", remedy=_AGAIN)
+        raise BadInput(source, "", "it is not a STEP file (it does not begin with ISO-10303-21)", _AGAIN)
     if b"END-ISO-10303-21" not in content[-256:]:
-        raise BadInput(source=source, problem="it is cut short (it does not end with END-ISO-10303-21)", remedy=_AGAIN)
+        raise BadInput(source, "", "it is cut short (it does not end with END-ISO-10303-21)", _AGAIN)
     numbers = re.findall(rb"^\s*#(\d+)\s*=", content, re.MULTILINE)
     if len(set(numbers)) < len(numbers):  # OCC may never end on it
         twice = Counter(numbers).most_common(1)[0][0].decode()
-        raise BadInput(source=source, problem=f"two of its entities are #{twice}: the file is corrupt", remedy=_AGAIN)
+        raise BadInput(source, "", f"two of its entities are #{twice}: the file is corrupt", _AGAIN)
     try:
         found = _read_apart(path, chord)
     except BadInput:
         raise
     except Exception as error:  # OCC raises Standard_Failure and Python errors alike on corrupt files
-        raise BadInput(source=source, problem=f"OCC cannot read it ({type(error).__name__})", remedy=_AGAIN) from error
+        raise BadInput(source, "", f"OCC cannot read it ({type(error).__name__})", _AGAIN) from error
     total, seen, bodies = Counter(one.label for one in found), Counter[str](), list[Body]()
     for one in found:
         seen[one.label] += 1
@@ -134,12 +134,12 @@ def read(path: Path, chord: float | None = None) -> tuple[Body, ...]:
         counts = {kind: sum(len(getattr(shape, method)()) for shape in shapes) for kind, method in kinds.items()}
         contents = ", ".join(f"{count} {kind}(s)" for kind, count in counts.items() if count) or "nothing"
         remedy = "Export solids; surfaces must be closed and made solid in the CAD first"
-        raise BadInput(source=source, problem=f"it holds no solid body, only {contents}", remedy=remedy)
+        raise BadInput(source, "", f"it holds no solid body, only {contents}", remedy)
     for body in bodies:
         if not body.valid or not body.volume > 0:
             problem = f"the solid is not sound: OCC finds it {'' if body.valid else 'in'}valid, volume {body.volume:.6g} mm³"
             remedy = "Heal the solid in the CAD (closed shell, faces outwards) and export it again"
-            raise BadInput(source=source, field=body.name, problem=problem, remedy=remedy)
+            raise BadInput(source, body.name, problem, remedy)
     return tuple(bodies)
 
 
@@ -197,7 +197,7 @@ def _read_apart(path: Path, chord: float | None) -> list[Body]:
             finally:
                 os._exit(0)
         if os.WIFSIGNALED(os.waitpid(child, 0)[1]):
-            raise BadInput(source=str(path), problem="OCC breaks down on it: the file is corrupt", remedy=_AGAIN)
+            raise BadInput(str(path), "", "OCC breaks down on it: the file is corrupt", _AGAIN)
         if not passed.seek(0, os.SEEK_END):
             return _examined(path, chord)  # what the child found wrong without dying is found again, and said
         passed.seek(0)
@@ -249,10 +249,10 @@ def _leaves(path: Path) -> list[tuple[str, OccShape]]:
         reader.SetNameMode(True)
         Interface_Static.SetCVal_s("xstep.cascade.unit", "MM")
         if reader.ReadFile(str(path)) != IFSelect_RetDone:
-            raise BadInput(source=str(path), problem="OCC cannot read it: the file is corrupt or cut short", remedy=_AGAIN)
+            raise BadInput(str(path), "", "OCC cannot read it: the file is corrupt or cut short", _AGAIN)
         document = TDocStd_Document(TCollection_ExtendedString("massline"))
         if not reader.Transfer(document):
-            raise BadInput(source=str(path), problem="it holds no body, surface or curve", remedy=_AGAIN)
+            raise BadInput(str(path), "", "it holds no body, surface or curve", _AGAIN)
         tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
         return [leaf for label in _sequence(tool.GetFreeShapes) for leaf in _walk(tool, label, None, "")]
 

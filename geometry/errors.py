@@ -4,8 +4,6 @@
 Each carries its evidence as attributes, so that a program can act on it and a person can read it in one sentence.
 """
 
-from functools import partial
-
 
 class BadInput(ValueError):
     """Input that cannot be used: where it stands, which field, what is wrong with it, and what to do.
@@ -18,7 +16,7 @@ class BadInput(ValueError):
     remedy : what the user can do
     """
 
-    def __init__(self, *, source: str, problem: str, remedy: str, field: str = "") -> None:
+    def __init__(self, source: str, field: str, problem: str, remedy: str) -> None:
         self.source = source
         self.field = field
         self.problem = problem
@@ -29,14 +27,14 @@ class BadInput(ValueError):
 
     def __reduce__(self) -> tuple[object, ...]:
         """It travels between processes."""
-        return partial(BadInput, source=self.source, problem=self.problem, remedy=self.remedy, field=self.field), ()
+        return BadInput, (self.source, self.field, self.problem, self.remedy)
 
 
 def require_fetched(content: bytes, source: str) -> None:
     """Refuse what Git LFS leaves in a clone in place of a large file that it was not asked to fetch."""
     if content.startswith(b"version https://git-lfs"):
         problem = "it is a pointer of Git LFS: the file itself was not fetched"
-        raise BadInput(source=source, problem=problem, remedy="Run `git lfs pull` in its repository")
+        raise BadInput(source, "", problem, "Run `git lfs pull` in its repository")
 
 
 class CheckFailed(RuntimeError):

@@ -291,7 +291,7 @@ def require_physical(inertia: Inertia, source: str, rounding: float = ROUNDING) 
     if not verdict.physical:
         problem = f"no body has these parameters: {verdict.text}"
         remedy = "Check signs, units and the reference point (products are matrix entries, Ixy = -∫xy dm)"
-        raise BadInput(source=source, field="inertia", problem=problem, remedy=remedy)
+        raise BadInput(source, "inertia", problem, remedy)
     return inertia
 
 

@@ -66,7 +66,7 @@ def written(form: str, name: str, bodies: Mapping[str, Inertia]) -> str:
     known = FORMATS[form]
     if len(bodies) > known.most:
         problem = f"a file of {form} holds {known.most} {'body' if known.most == 1 else 'bodies'}, found {len(bodies)}"
-        raise BadInput(source="--format", problem=problem, remedy="Choose one, or write one file for each")
+        raise BadInput("--format", "", problem, "Choose one, or write one file for each")
     title = " ".join(name.split())
     text = [known.head.format(title=title, quoted=quoteattr(title))]
     for number, (label, inertia) in enumerate(bodies.items(), start=1):

@@ -374,12 +374,12 @@ def require_closed_volume(mesh: TriangleMesh, source: str, unit: LengthUnit = ME
     """
     mesh = merged(mesh)
     if not len(mesh.faces):
-        raise BadInput(source=source, problem="the mesh has no faces", remedy="Export the body again as a triangle mesh")
+        raise BadInput(source, "", "the mesh has no faces", "Export the body again as a triangle mesh")
     corners = mesh.triangles.reshape(-1, 3)
     spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
     if spread[2] <= ROUNDING * np.sqrt(len(corners)) * np.abs(corners).max():
         problem = f"the mesh is flat: all its {len(mesh.faces)} faces lie in one plane, so that it encloses no volume"
-        raise BadInput(source=source, problem=problem, remedy="Export the body, not one of its faces or its drawing")
+        raise BadInput(source, "", problem, "Export the body, not one of its faces or its drawing")
     t = mesh.triangles
     sides = t - np.roll(t, 1, axis=1)
     longest = np.linalg.norm(sides, axis=2).max(axis=1)
@@ -388,14 +388,13 @@ def require_closed_volume(mesh: TriangleMesh, source: str, unit: LengthUnit = ME
     if degenerate.any():
         problem = f"{_count(degenerate.sum(), 'face')} of {len(t)} without area, at {_places(t[degenerate].mean(axis=1), unit)}"
         remedy = "Merge doubled vertices and remove degenerate faces in the program that made the mesh, then export it again"
-        raise BadInput(source=source, problem=problem, remedy=remedy)
+        raise BadInput(source, "", problem, remedy)
     _, first, count = np.unique(np.sort(mesh.faces, axis=1), axis=0, return_index=True, return_counts=True)
     doubled = first[count > 1]
     if doubled.size:
         middles: Array = mesh.triangles[doubled].mean(axis=1)
         problem = f"{_count(doubled.size, 'face')} given more than once, at {_places(middles, unit)}"
-        remedy = "Remove the doubled faces; if the body was exported twice, export it once"
-        raise BadInput(source=source, problem=problem, remedy=remedy)
+        raise BadInput(source, "", problem, "Remove the doubled faces; if the body was exported twice, export it once")
     found = edges(mesh)
     single, crowded = found.ends[found.uses == 1], found.ends[found.uses > 2]
     if single.size or crowded.size:
@@ -405,14 +404,15 @@ def require_closed_volume(mesh: TriangleMesh, source: str, unit: LengthUnit = ME
         if crowded.size:
             problem += f"; {_count(len(crowded), 'edge')} where up to {found.uses.max()} faces meet"
             problem += _clusters(mesh, crowded, "line", unit)
-        raise BadInput(source=source, problem=problem, remedy=f"{remedy} that made the mesh, then export it again")
+        raise BadInput(source, "", problem, f"{remedy} that made the mesh, then export it again")
     broken = found.turns != 0
     if broken.any():
         raise BadInput(
-            source=source,
-            problem=f"the faces disagree on what is outside along {_count(broken.sum(), 'edge')}, "
+            source,
+            "",
+            f"the faces disagree on what is outside along {_count(broken.sum(), 'edge')}, "
             f"at {_places(mesh.vertices[found.ends[broken]].mean(axis=1), unit)}",
-            remedy="Make the normals consistent (all outwards) in the program that made the mesh and export it again",
+            "Make the normals consistent (all outwards) in the program that made the mesh and export it again",
         )
     return _require_simple(mesh, source, unit)
 
@@ -436,16 +436,17 @@ def _require_simple(mesh: TriangleMesh, source: str, unit: LengthUnit) -> tuple[
     within = label[pairs[:, 0]] == label[pairs[:, 1]]
     if np.any(within):
         raise BadInput(
-            source=source,
-            problem=f"the surface runs through itself: {_count(int(within.sum()), 'pair')} of faces intersect, "
+            source,
+            "",
+            f"the surface runs through itself: {_count(int(within.sum()), 'pair')} of faces intersect, "
             f"within {_box(mesh.triangles[pairs[within]].reshape(-1, 3), unit)}",
-            remedy="Unite the crossing surfaces in the program that made the mesh and export it again",
+            "Unite the crossing surfaces in the program that made the mesh and export it again",
         )
     volumes = np.array([body.volume for body in bodies])
     if np.all(volumes <= 0):
         problem = f"the mesh is inside-out: its normals point inwards, its volume comes out as {_volume(volumes.sum(), unit)}"
         remedy = "Flip the normals (reverse the faces) in the program that made the mesh and export it again"
-        raise BadInput(source=source, problem=problem, remedy=remedy)
+        raise BadInput(source, "", problem, remedy)
     touching = np.unique(np.sort(label[pairs[~within]], axis=1), axis=0)
     # Around a body there must be nothing, around a cavity material, as far as they do not touch
     for number, body in enumerate(bodies):
@@ -474,13 +475,13 @@ def _require_simple(mesh: TriangleMesh, source: str, unit: LengthUnit) -> tuple[
 def _misplaced(body: TriangleMesh, number: int, what: str, source: str, unit: LengthUnit) -> BadInput:
     problem = f"piece {number + 1} ({_box(body.vertices, unit)}) is inside-out and {what}, so that it is no cavity"
     remedy = "Flip the normals of that piece if it is a body; if it is a cavity, leave a wall around it"
-    return BadInput(source=source, problem=problem, remedy=remedy)
+    return BadInput(source, "", problem, remedy)
 
 
 def _overlap(what: str, volume: float, points: Array, source: str, unit: LengthUnit) -> BadInput:
     problem = f"{what}: {_volume(volume, unit)} within {_box(points, unit)} would count twice"
     remedy = "Unite the pieces or cut one by the other in the program that made them; of a cavity, turn the normals inwards"
-    return BadInput(source=source, problem=problem, remedy=remedy)
+    return BadInput(source, "", problem, remedy)
 
 
 def _count(number: int, what: str) -> str:
@@ -541,12 +542,11 @@ def read_mesh(path: Path, unit: str | None = None) -> MeshFile:
     stated = found.group(1) if found else None
     if unit is None and stated is None:
         problem = "the file does not say in which unit its lengths are, and none was given"
-        raise BadInput(source=source, field="unit", problem=problem, remedy=f"Give one of {', '.join(UNITS)}")
+        raise BadInput(source, "unit", problem, f"Give one of {', '.join(UNITS)}")
     meant = length_unit((stated if unit is None else unit) or "", source)
     if unit is not None and stated is not None and meant != length_unit(stated, source):
         problem = f"the unit given is {meant.name}, but the file says of itself that its unit is {stated}"
-        remedy = "Leave the unit out to believe the file, or correct the file's comment"
-        raise BadInput(source=source, field="unit", problem=problem, remedy=remedy)
+        raise BadInput(source, "unit", problem, "Leave the unit out to believe the file, or correct the file's comment")
     mesh = scaled(_parsed(content, ending, str(path)), meant.metres)
     return MeshFile(mesh=mesh, unit=meant, warnings=doubts(float(np.ptp(mesh.bounds, axis=0).max()), str(path), meant))
 
@@ -575,7 +575,7 @@ def _parsed(content: bytes, ending: str, source: str) -> TriangleMesh:
 def _unreadable(ending: str, why: str, source: str) -> BadInput:
     problem = f"no mesh can be read from it as {ending[1:].upper()} ({' '.join(why.split())[:200]})"
     remedy = "Check that the file is whole and what its ending says, and export it again"
-    return BadInput(source=source, problem=problem, remedy=remedy)
+    return BadInput(source, "", problem, remedy)
 
 
 # Door to trimesh: closed mesh -> `Inertia`, the second of the three routes, and mesh files -> `TriangleMesh`.

@@ -30,21 +30,21 @@ def read(path: Path, largest: int, wanted: Collection[str] | None = None) -> dic
             entries = archive.infolist()
             names = [entry.filename.removesuffix(".npy") for entry in entries]
             if not names:
-                raise BadInput(source=source, problem="it holds no arrays", remedy=_WRITE_AGAIN)
+                raise BadInput(source, "", "it holds no arrays", _WRITE_AGAIN)
             if len(set(names)) < len(names):
-                raise BadInput(source=source, problem="it holds two arrays of one name", remedy=_WRITE_AGAIN)
+                raise BadInput(source, "", "it holds two arrays of one name", _WRITE_AGAIN)
             chosen = {name: one for name, one in zip(names, entries, strict=True) if wanted is None or name in wanted}
             total = sum(entry.file_size for entry in chosen.values())
             if total > largest:
                 problem = f"its arrays would take {total / 2**30:.3g} GiB, more than {largest / 2**30:.3g}"
-                raise BadInput(source=source, problem=problem, remedy="Leave out of it what is not needed")
+                raise BadInput(source, "", problem, "Leave out of it what is not needed")
             found = {name: _array(archive, entry, name, source) for name, entry in chosen.items()}
             return {name: values for name, values in found.items() if values is not None}
     except BadInput:
         raise
     except Exception as error:  # zipfile, zlib and NumPy raise a dozen kinds of their own on damaged bytes
         problem = f"it cannot be read as .npz: {type(error).__name__}, {error}"
-        raise BadInput(source=source, problem=problem, remedy=f"{_WRITE_AGAIN}; it may be cut short or damaged") from None
+        raise BadInput(source, "", problem, f"{_WRITE_AGAIN}; it may be cut short or damaged") from None
 
 
 def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str, source: str) -> Any:
@@ -57,10 +57,9 @@ def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str, source: 
             return None
         if dtype.hasobject:
             problem = "holds Python objects, which only pickle could read, and that could run anything"
-            raise BadInput(source=source, field=name, problem=problem, remedy="Save an array of numbers")
+            raise BadInput(source, name, problem, "Save an array of numbers")
         declared = int(np.prod([int(side) for side in shape], dtype=object)) * dtype.itemsize
         if declared != entry.file_size - file.tell():
-            problem = f"declares {declared} bytes where {entry.file_size - file.tell()} follow"
-            raise BadInput(source=source, field=name, problem=problem, remedy=_WRITE_AGAIN)
+            raise BadInput(source, name, f"declares {declared} bytes where {entry.file_size - file.tell()} follow", _WRITE_AGAIN)
     with archive.open(entry) as file:
         return np.lib.format.read_array(file, allow_pickle=False)

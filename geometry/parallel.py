@@ -47,8 +47,7 @@ class SameCode(Generic[Task, Result]):
     def __call__(self, one: Task) -> Result:
         if self.of(self.work) != self.made_by:
             problem = f"the worker on {platform.node()} has another version of massline's code"
-            remedy = "Install the same on all machines, and start their workers anew"
-            raise BadInput(source="--scheduler", problem=problem, remedy=remedy)
+            raise BadInput("--scheduler", "", problem, "Install the same on all machines, and start their workers anew")
         return self.work(one)
 
 
@@ -131,7 +130,7 @@ def _client(scheduler: str, processes: int) -> Iterator[Any]:
             except (OSError, ValueError) as error:
                 problem = f"no Dask scheduler answers there ({error})"
                 remedy = "Start one with `dask scheduler`, and workers with `dask worker ADDRESS`; name it as tcp://HOST:8786"
-                raise BadInput(source="--scheduler", field=scheduler, problem=problem, remedy=remedy) from None
+                raise BadInput("--scheduler", scheduler, problem, remedy) from None
             yield stack.enter_context(client)
             return
         stack.enter_context(dask.config.set(SETTINGS))

@@ -123,31 +123,30 @@ def read(path: Path) -> Robot:
         form, links = "SDF", tuple(_Sdf(path).links(_with_texts(root)))
     else:
         problem = f"it is neither a URDF (<robot>), an MJCF (<mujoco>) nor an SDF (<sdf>), found <{root.tag[:40]}>"
-        raise BadInput(source=str(path), problem=problem, remedy="Give a robot description, or a STEP or mesh file")
+        raise BadInput(str(path), "", problem, "Give a robot description, or a STEP or mesh file")
     names = [link.name for link in links]
     if doubled := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
-        problem = f"two links are called {doubled[0]!r}"
-        raise BadInput(source=str(path), field="name", problem=problem, remedy="Give each its own name")
+        raise BadInput(str(path), "name", f"two links are called {doubled[0]!r}", "Give each its own name")
     if not links:
-        raise BadInput(source=str(path), problem="it has no link", remedy="Check that the file is whole")
+        raise BadInput(str(path), "", "it has no link", "Check that the file is whole")
     return Robot(name=root.get("name") or root.get("model") or path.stem, form=form, links=links)
 
 
 def _parsed(path: Path) -> Element:
     source = str(path)
     if not path.is_file():
-        raise BadInput(source=source, problem="there is no such file", remedy="Check the path")
+        raise BadInput(source, "", "there is no such file", "Check the path")
     if path.stat().st_size > MOST_BYTES:
-        raise BadInput(source=source, problem=f"it is larger than {MOST_BYTES >> 20} MiB", remedy="Check what it is")
+        raise BadInput(source, "", f"it is larger than {MOST_BYTES >> 20} MiB", "Check what it is")
     content = path.read_bytes()
     if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
-        raise BadInput(source=source, problem="it declares a document type, which none of them needs", remedy="Remove <!DOCTYPE>")
+        raise BadInput(source, "", "it declares a document type, which none of them needs", "Remove <!DOCTYPE>")
     try:
         root = ElementTree.fromstring(content.lstrip())
     except (ElementTree.ParseError, ValueError, LookupError) as error:
-        raise BadInput(source=source, problem=f"it is no XML ({error})", remedy="Check that the file is whole") from None
+        raise BadInput(source, "", f"it is no XML ({error})", "Check that the file is whole") from None
     if any("xacro" in one.tag or any("${" in text for text in one.attrib.values()) for one in root.iter()):
-        raise BadInput(source=source, problem="it has xacro macros that are not expanded", remedy="Run xacro on it first")
+        raise BadInput(source, "", "it has xacro macros that are not expanded", "Run xacro on it first")
     return root
 
 
@@ -169,7 +168,7 @@ class _Numbers:
         fewest = len(default) if least is None else least
         if not fewest <= len(numbers) <= len(default) or not np.isfinite(numbers).all():
             problem = f"must be {len(default)} finite number{'s' * (len(default) > 1)}, found {text[:60]!r}"
-            raise BadInput(source=str(self.path), field=f"{element.tag} {name}", problem=problem, remedy="Correct it")
+            raise BadInput(str(self.path), f"{element.tag} {name}", problem, "Correct it")
         return numbers
 
     def half_units(self, element: Element | None, names: Sequence[str]) -> list[float]:
@@ -201,7 +200,7 @@ class _Numbers:
     def unit(self, element: Element, vector: Array) -> Array:
         length = float(np.linalg.norm(vector))
         if not length > 1e-12:
-            raise BadInput(source=str(self.path), field=element.tag, problem="a direction has no length", remedy="Correct it")
+            raise BadInput(str(self.path), element.tag, "a direction has no length", "Correct it")
         return np.asarray(vector / length)
 
     def turned(self, element: Element, quaternion: Array) -> Array:
@@ -284,16 +283,14 @@ class _Mjcf(_Numbers):
             compiler |= one.attrib
         if compiler.get("coordinate") == "global":
             problem = "places are in the axes of the world (coordinate), which MuJoCo has given up as well"
-            remedy = "Save it by MuJoCo 2.3.3, which turns them"
-            raise BadInput(source=str(path), field="compiler", problem=problem, remedy=remedy)
+            raise BadInput(str(path), "compiler", problem, "Save it by MuJoCo 2.3.3, which turns them")
         scaled = self.of(Element("compiler", compiler), "settotalmass", [-1.0])[0] > 0, compiler.get("balanceinertia") == "true"
         self.rescaled = [key for key, on in zip(("settotalmass", "balanceinertia"), scaled, strict=True) if on]
         self.degrees = compiler.get("angle", "degree") != "radian"
         self.of_geoms = compiler.get("inertiafromgeom", "auto") == "true"
         self.order = compiler.get("eulerseq", "xyz")
         if not re.fullmatch("[xyzXYZ]{3}", self.order):
-            problem = f"must be three axes, found {self.order!r}"
-            raise BadInput(source=str(path), field="eulerseq", problem=problem, remedy="Correct it")
+            raise BadInput(str(path), "eulerseq", f"must be three axes, found {self.order!r}", "Correct it")
         self.folder = path.parent / compiler.get("meshdir", compiler.get("assetdir", "."))
         self.classes: dict[str, dict[str, dict[str, str]]] = {"main": {}}
         for one in root.findall("default"):  # those of included files and of the file itself are one, whatever it is called
@@ -310,8 +307,7 @@ class _Mjcf(_Numbers):
                 self._include(child, folder, level)
                 continue
             if level > MOST_LEVELS:
-                problem = "files include each other without end"
-                raise BadInput(source=str(self.path), field="include", problem=problem, remedy="Correct it")
+                raise BadInput(str(self.path), "include", "files include each other without end", "Correct it")
             inner = _parsed(folder / child.get("file", ""))
             self._include(inner, folder, level + 1)
             element.remove(child)
@@ -340,8 +336,7 @@ class _Mjcf(_Numbers):
     def _inside(self, element: Element, child_class: str, place: Pose, level: int) -> Iterator[tuple[Element, str, Pose]]:
         """What stands in `element`, with its class and the place of the frames around it, which are no bodies themselves."""
         if level > MOST_LEVELS:
-            problem = f"more than {MOST_LEVELS} bodies within bodies"
-            raise BadInput(source=str(self.path), problem=problem, remedy="Check the file")
+            raise BadInput(str(self.path), "", f"more than {MOST_LEVELS} bodies within bodies", "Check the file")
         for one in element:
             if one.tag == "frame":
                 yield from self._inside(one, one.get("childclass", child_class), place @ self.pose(one), level + 1)
@@ -457,8 +452,7 @@ class _Sdf(_Numbers):
     def below(self, model: Element, prefix: str, level: int) -> Iterator[Link]:
         """Links of a model and of those within it, or of the file that it includes."""
         if level > MOST_LEVELS:
-            problem = f"more than {MOST_LEVELS} models within models"
-            raise BadInput(source=str(self.path), field="include", problem=problem, remedy="Check the file")
+            raise BadInput(str(self.path), "include", f"more than {MOST_LEVELS} models within models", "Check the file")
         if model.tag == "include":
             inner, root = self.included(model)
             for one in root.findall("model"):
@@ -488,11 +482,11 @@ class _Sdf(_Numbers):
         if file is None:
             problem = f"it includes {named or 'nothing'}, which is not there"
             remedy = "Copy that model's folder beside the file, or take the <include> out"
-            raise BadInput(source=str(self.path), field="include", problem=problem, remedy=remedy)
+            raise BadInput(str(self.path), "include", problem, remedy)
         root = _parsed(file)
         if root.tag != "sdf" or root.find("model") is None:
             problem = f"it includes {named}, which is <{root.tag[:40]}> and no model of an SDF"
-            raise BadInput(source=str(self.path), field="include", problem=problem, remedy="Give that file by itself")
+            raise BadInput(str(self.path), "include", problem, "Give that file by itself")
         return _Sdf(file), _with_texts(root)
 
     def pose(self, element: Element) -> Pose:
@@ -518,7 +512,7 @@ class _Sdf(_Numbers):
             return self.pose(element)
         if seen not in frames or level > MOST_LEVELS:
             problem = f"the frame {seen!r} {'stands on itself' if seen in frames else 'is none of its model'}"
-            raise BadInput(source=str(self.path), field="pose", problem=problem, remedy="Correct relative_to")
+            raise BadInput(str(self.path), "pose", problem, "Correct relative_to")
         one = frames[seen]
         below = one.get({"frame": "attached_to", "joint": "child"}.get(one.tag, ""), "")
         return self.placed(one, frames, below, level + 1) @ self.pose(element)

@@ -239,7 +239,7 @@ def log_cholesky(inertia: Inertia, source: str = "inertia") -> Array:
     verdict = judge(inertia)
     if verdict.kind is not Kind.BODY:
         problem = f"log-Cholesky coordinates need a body with volume: {verdict.text}"
-        raise BadInput(source=source, field="inertia", problem=problem, remedy="Give the ideal body a finite size")
+        raise BadInput(source, "inertia", problem, "Give the ideal body a finite size")
     J = inertia.about(np.zeros(3)).pseudo_inertia
     U = np.linalg.cholesky(J[::-1, ::-1])[::-1, ::-1]
     V = U / U[3, 3]

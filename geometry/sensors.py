@@ -215,7 +215,7 @@ def point(value: Any, *, source: str, field: str, direction: str = "") -> Point:
 
     def refused(problem: str) -> BadInput:
         remedy = 'Write "place:x" (y, z, -x ...), or { place = "tip", direction = [0, 0.6, 0.8] }'
-        return BadInput(source=source, field=field, problem=problem, remedy=remedy)
+        return BadInput(source, field, problem, remedy)
 
     table = value if isinstance(value, dict) else {"place": value}
     place, along = table.get("place"), table.get("direction")
@@ -316,7 +316,7 @@ class Tolerances:
             value = getattr(self, one.name)
             if not 0 <= value < inf:
                 problem = f"a standard deviation must be finite and not negative, found {value}"
-                raise BadInput(source="tolerances", field=one.name, problem=problem, remedy="Give it in SI units; 0 is exact")
+                raise BadInput("tolerances", one.name, problem, "Give it in SI units; 0 is exact")
 
     def scaled(self, factor: float) -> "Tolerances":
         """All of them times `factor` [1]."""
@@ -335,8 +335,7 @@ def coordinates_of(table: Mapping[str, Any], source: str) -> dict[str, list[floa
     for name, three in stated.items():
         field = f"coordinates.{name}"
         if not isinstance(three, list) or len(three) != 3:
-            problem = f"must be three lengths, found {three!r}"
-            raise BadInput(source=source, field=field, problem=problem, remedy="Write [0.1, 0.0, 0.2]")
+            raise BadInput(source, field, f"must be three lengths, found {three!r}", "Write [0.1, 0.0, 0.2]")
         found[str(name)] = [
             float(toml_file.quantity(one, "length", source=source, field=field).n) if isinstance(one, str) else float(one)
             for one in three

@@ -66,13 +66,13 @@ def require_no_other(path: Path) -> None:
         return
     if path.suffix.lower() in DECKS:
         remedy = f"Describe its structure first: massline model {path} --out {path.with_suffix('.toml')}"
-        raise BadInput(source=str(path), problem="it is a deck of a finite-element program", remedy=remedy)
+        raise BadInput(str(path), "", "it is a deck of a finite-element program", remedy)
     if path.suffix.lower() in (".msh", ".med"):
         remedy = f'Describe its structure first: [fe_model] with kind = "mesh", file = "{path.name}" and materials of its groups'
-        raise BadInput(source=str(path), problem="it is a mesh, which does not say what it is made of", remedy=remedy)
+        raise BadInput(str(path), "", "it is a mesh, which does not say what it is made of", remedy)
     if path.suffix.lower() in (".unv", ".uff"):
         problem = "it is a universal file, a measurement, where a file in TOML is needed"
-        raise BadInput(source=str(path), problem=problem, remedy="MODEL comes first and DATA behind it")
+        raise BadInput(str(path), "", problem, "MODEL comes first and DATA behind it")
 
 
 def kind_of(table: Mapping[str, Any]) -> str:
@@ -90,22 +90,22 @@ def read(name: str | Path, *, remedy: str = "Check the path") -> dict[str, Any]:
     """
     path, name = Path(name), str(name)
     if not name.strip():
-        raise BadInput(source="file", problem=f"the name is empty, found {name!r}", remedy=remedy)
+        raise BadInput("file", "", f"the name is empty, found {name!r}", remedy)
     if path.is_dir():
         if (whose := next((what for file, what in FOLDERS.items() if (path / file).is_file()), None)) is not None:
             said = f"it is the folder of {whose}, where a file is needed"
-            raise BadInput(source=name, problem=said, remedy=f"MODEL comes first and DATA behind it. {remedy}")
-        raise BadInput(source=name, problem="it is a folder, where a file is needed", remedy=remedy)
+            raise BadInput(name, "", said, f"MODEL comes first and DATA behind it. {remedy}")
+        raise BadInput(name, "", "it is a folder, where a file is needed", remedy)
     if path.is_char_device() or path.is_block_device():
-        raise BadInput(source=name, problem="it is a device, where a file is needed", remedy=remedy)
+        raise BadInput(name, "", "it is a device, where a file is needed", remedy)
     if not path.exists():
-        raise BadInput(source=name, problem="there is no such file", remedy=remedy)
+        raise BadInput(name, "", "there is no such file", remedy)
     require_no_other(path)
     try:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         problem = f"it is not text in UTF-8, found the byte {error.object[error.start]:#04x} at place {error.start}"
-        raise BadInput(source=name, problem=problem, remedy="Save it as UTF-8") from None
+        raise BadInput(name, "", problem, "Save it as UTF-8") from None
     return parse(text, name)
 
 
@@ -120,16 +120,15 @@ def parse(text: str, name: str) -> dict[str, Any]:
     try:
         table: Any = json.loads(text, parse_constant=_refused_constant) if form == "JSON" else tomllib.loads(text)
     except ValueError as error:  # also what Python says of a whole number of thousands of digits
-        problem = f"it is not {form}: {error}"
-        raise BadInput(source=name, problem=problem, remedy="Correct the place that it names; .json is read as JSON") from None
+        raise BadInput(name, "", f"it is not {form}: {error}", "Correct the place that it names; .json is read as JSON") from None
     except RecursionError:
         raise _too_deep(name) from None
     if not isinstance(table, dict):
-        raise BadInput(source=name, problem="must hold one JSON object", remedy="Put the values into {...}")
+        raise BadInput(name, "", "must hold one JSON object", "Put the values into {...}")
     _require_plain(table, name, DEEPEST)
     if table.get("kind") in STRUCTURES:
         problem = f"{table['kind']!r} is a structure, whose keys belong below [fe_model]"
-        raise BadInput(source=name, field="kind", problem=problem, remedy="Write the line [fe_model] above it")
+        raise BadInput(name, "kind", problem, "Write the line [fe_model] above it")
     return table
 
 
@@ -150,10 +149,10 @@ def named_file(name: str, folder: Path, source: str, where: str) -> Path:
     there = folder / within
     if not there.resolve().is_relative_to(folder.resolve()):
         problem = f"{name!r} leads out of {whose}, to {there.resolve()}"
-        raise BadInput(source=source, field=where, problem=problem, remedy="Copy the file beside the description")
+        raise BadInput(source, where, problem, "Copy the file beside the description")
     if not there.is_file():
         remedy = f"Looked for {there}" + (f"; {DATA} names the folder of data" if within != name else "")
-        raise BadInput(source=source, field=where, problem=f"there is no file {name!r}", remedy=remedy)
+        raise BadInput(source, where, f"there is no file {name!r}", remedy)
     return there
 
 
@@ -179,7 +178,7 @@ def files_named(path: Path) -> tuple[Path, ...]:
 
 def wrong(found: object, wanted: str, source: str, where: str, remedy: str = "Correct it") -> BadInput:
     """The refusal of what `source` has at `where`: `found` in place of what is `wanted`."""
-    return BadInput(source=source, field=where, problem=f"must be {wanted}, found {found!r}", remedy=remedy)
+    return BadInput(source, where, f"must be {wanted}, found {found!r}", remedy)
 
 
 def shipped(package: str, *path: str) -> dict[str, Any]:
@@ -219,7 +218,7 @@ def require_format(table: Mapping[str, Any], source: str) -> None:
     found = table.get("format")
     if found != FORMAT or isinstance(found, bool):
         problem = f"must be {FORMAT}, found {found!r}" if "format" in table else "is missing"
-        raise BadInput(source=source, field="format", problem=problem, remedy=f"Write format = {FORMAT}")
+        raise BadInput(source, "format", problem, f"Write format = {FORMAT}")
 
 
 def _refused_constant(word: str) -> None:
@@ -229,7 +228,7 @@ def _refused_constant(word: str) -> None:
 def _require_plain(value: Any, source: str, levels: int) -> None:
     """Refuse what no reader behind this door could as much as print."""
     if isinstance(value, int) and abs(value) > LARGEST_INTEGER:
-        raise BadInput(source=source, problem="it holds a whole number of hundreds of digits", remedy="Correct it")
+        raise BadInput(source, "", "it holds a whole number of hundreds of digits", "Correct it")
     inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
     if inner and not levels:
         raise _too_deep(source)
@@ -239,7 +238,7 @@ def _require_plain(value: Any, source: str, levels: int) -> None:
 
 def _too_deep(source: str) -> BadInput:
     problem = f"it is nested too deeply: more than {DEEPEST} tables or lists in each other"
-    return BadInput(source=source, problem=problem, remedy="Check its brackets and dots")
+    return BadInput(source, "", problem, "Check its brackets and dots")
 
 
 def string(value: str) -> str:
@@ -275,7 +274,7 @@ def require_known(table: Mapping[str, Any], known: Collection[str], *, source: s
             remedy, structure = nearest(key, known) + f"Known are {', '.join(known)}", table.get("structure")
             if is_other and isinstance(structure, Mapping) and isinstance(own := structure.get("own"), Mapping):
                 remedy = f"Name the structure that it names: {', '.join(map(str, own.values()))}"
-            raise BadInput(source=source, field=f"{where}.{key}" if where else key, problem=problem, remedy=remedy)
+            raise BadInput(source, f"{where}.{key}" if where else key, problem, remedy)
 
 
 def require_present(table: Mapping[str, Any], needed: Collection[str], *, source: str, where: str = "") -> None:
@@ -289,8 +288,7 @@ def require_present(table: Mapping[str, Any], needed: Collection[str], *, source
         if key not in table:
             like = difflib.get_close_matches(key, list(table), n=1)
             instead = f", found {like[0]!r} instead" if like else ""
-            problem = f"is missing{instead}"
-            raise BadInput(source=source, field=f"{where}.{key}" if where else key, problem=problem, remedy="Add it")
+            raise BadInput(source, f"{where}.{key}" if where else key, f"is missing{instead}", "Add it")
 
 
 def require_table(value: object, *, source: str, where: str) -> dict[str, Any]:
@@ -301,7 +299,7 @@ def require_table(value: object, *, source: str, where: str) -> dict[str, Any]:
     BadInput : it is something else.
     """
     if not isinstance(value, dict):
-        raise BadInput(source=source, field=where, problem=f"must be a table, found {value!r}", remedy=f"Write it as [{where}]")
+        raise BadInput(source, where, f"must be a table, found {value!r}", f"Write it as [{where}]")
     return value
 
 
@@ -315,7 +313,7 @@ def one_of(value: object, choices: Collection[str], *, source: str, where: str) 
     if isinstance(value, str) and value in choices:
         return value
     problem = f"must be one of {', '.join(choices)}, found {value!r}"
-    raise BadInput(source=source, field=where, problem=problem, remedy=nearest(str(value), choices) or "Choose one of them")
+    raise BadInput(source, where, problem, nearest(str(value), choices) or "Choose one of them")
 
 
 TURNS = {
@@ -412,8 +410,7 @@ def length_unit(text: str, source: str, field: str = "unit") -> LengthUnit:
     if unit is not None:
         return unit
     problem = f"no unit of length is called {text!r}"
-    remedy = f"{nearest(text.strip().lower(), _BY_WORD)}Give one of {', '.join(UNITS)}"
-    raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
+    raise BadInput(source, field, problem, f"{nearest(text.strip().lower(), _BY_WORD)}Give one of {', '.join(UNITS)}")
 
 
 # Quantities as people write them, ``"47.40 +/- 0.05 kg"``, turned into SI values that remember their tolerance and their name.
@@ -574,14 +571,11 @@ def unit_among(text: str, units: Mapping[str, str], *, source: str, field: str) 
     try:
         found = registry.Quantity(1.0, registry.parse_units(re.sub(r"\bg\b", "g_0", text)))
     except Exception:  # pint raises its own, tokenize's and Python's errors on nonsense
-        problem = f"the unit {text!r} is not known"
-        remedy = f"Write it like {next(iter(units.values()))}"
-        raise BadInput(source=source, field=field, problem=problem, remedy=remedy) from None
+        raise BadInput(source, field, f"the unit {text!r} is not known", f"Write it like {next(iter(units.values()))}") from None
     for name, si in units.items():
         if registry.Unit(si).dimensionality == found.dimensionality:
             return name, float(found.to(si).magnitude)
-    problem = f"{text!r} is of none of {', '.join(units)}"
-    raise BadInput(source=source, field=field, problem=problem, remedy=f"Write it like {next(iter(units.values()))}")
+    raise BadInput(source, field, f"{text!r} is of none of {', '.join(units)}", f"Write it like {next(iter(units.values()))}")
 
 
 def _a(name: str) -> str:
@@ -591,4 +585,4 @@ def _a(name: str) -> str:
 def _refused(problem: str, dimension: str, source: str, field: str) -> BadInput:
     unit = SI_UNITS[dimension]
     example = "0.3 %" if dimension == "ratio" else f"1.00 +/- 0.01 {unit}"
-    return BadInput(source=source, field=field, problem=problem, remedy=f'Write it like "{example}"')
+    return BadInput(source, field, problem, f'Write it like "{example}"')

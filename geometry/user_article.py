@@ -53,7 +53,7 @@ def density(text: Any, source: str, field: str = "density") -> float:
 
 
 def _refused(source: str, field: str, problem: str) -> BadInput:
-    return BadInput(source=source, field=field, problem=problem, remedy='Write it like "7800 kg/m^3" or "7.8 g/cm^3"')
+    return BadInput(source, field, problem, 'Write it like "7800 kg/m^3" or "7.8 g/cm^3"')
 
 
 DESCRIPTION = "article.toml"
@@ -119,13 +119,12 @@ def read(path: Path) -> Description:
     own = {name: own_material(name, entry, source, f"material.{name}") for name, entry in materials.items()}
     entries = table.get("part", [])
     if not isinstance(entries, list) or not entries:
-        raise BadInput(source=source, field="part", problem="there is no part", remedy="Add a [[part]] with name and file")
+        raise BadInput(source, "part", "there is no part", "Add a [[part]] with name and file")
     parts = tuple(_part(entry, number, path, own) for number, entry in enumerate(entries, start=1))
     names = [part.name for part in parts]
     for name in names:
         if names.count(name) > 1:
-            problem = f"{name!r} names more than one part"
-            raise BadInput(source=source, field="part.name", problem=problem, remedy="Give each its own name")
+            raise BadInput(source, "part.name", f"{name!r} names more than one part", "Give each its own name")
     return Description(name=_text(article, "name", source, "article") or path.resolve().parent.name, parts=parts)
 
 
@@ -148,24 +147,23 @@ def template(name: str, parts: Iterable[Path]) -> str:
 def _part(entry: Any, number: int, path: Path, own: Mapping[str, Material]) -> PartEntry:
     source, where = str(path), f"part {number}"
     if not isinstance(entry, dict):
-        raise BadInput(source=source, field="part", problem=f"must be a table, found {entry!r}", remedy="Write it as [[part]]")
+        raise BadInput(source, "part", f"must be a table, found {entry!r}", "Write it as [[part]]")
     toml_file.require_known(entry, _PART, source=source, where=where)
     for key in ("name", "file"):
         if not _text(entry, key, source, where):
-            raise BadInput(source=source, field=f"{where}.{key}", problem="is missing", remedy=f'Add {key} = "..."')
+            raise BadInput(source, f"{where}.{key}", "is missing", f'Add {key} = "..."')
     name, file = entry["name"], entry["file"]
     whose = toml_file.named_file(file, path.parent, source, f"{where}.file") if file.startswith(f"${toml_file.DATA}/") else None
     there = whose or path.parent / file
     if not there.is_file():
-        raise BadInput(source=source, field=f"{where}.file", problem=f"there is no file {file!r}", remedy=f"Looked for {there}")
+        raise BadInput(source, f"{where}.file", f"there is no file {file!r}", f"Looked for {there}")
     unit = _text(entry, "unit", source, where)
     if unit is not None:
         unit = length_unit(unit, source, f"{where}.unit").name
     whole: Material | None = None
     if "density" in entry:
         if "material" in entry:
-            remedy = "Leave one of the two out"
-            raise BadInput(source=source, field=f"{where}.density", problem="is given beside a material", remedy=remedy)
+            raise BadInput(source, f"{where}.density", "is given beside a material", "Leave one of the two out")
         whole = Material(name=str(entry["density"]), density=density(entry["density"], source, f"{where}.density"))
     elif "material" in entry:
         whole = _named(entry["material"], source, f"{where}.material", own)
@@ -214,7 +212,7 @@ def own_material(name: str, entry: Any, source: str, where: str) -> Material:
     table = toml_file.require_table(entry, source=source, where=where)
     toml_file.require_known(table, ("density", *_ELASTIC), source=source, where=where)
     if "density" not in table:
-        raise BadInput(source=source, field=f"{where}.density", problem="is missing", remedy='Add density = "7800 kg/m^3"')
+        raise BadInput(source, f"{where}.density", "is missing", 'Add density = "7800 kg/m^3"')
     elastic = {}
     for key in _ELASTIC:
         if key in table:
@@ -226,7 +224,7 @@ def own_material(name: str, entry: Any, source: str, where: str) -> Material:
             found = quantity(text, dimension, source=source, field=place).nominal_value
             if not lowest < found < highest:
                 problem = f"must lie between {lowest:g} and {highest:g}, both excluded, found {value!r}"
-                raise BadInput(source=source, field=place, problem=problem, remedy=f"Steel has {example}")
+                raise BadInput(source, place, problem, f"Steel has {example}")
             elastic[key] = float(found)
     return Material(name=name, density=density(table["density"], source, f"{where}.density"), **elastic)
 
@@ -366,7 +364,7 @@ def overlap_warnings(article: str, parts: tuple[UserPart, ...]) -> Iterator[str]
         share = volume / min(skins[i].mesh.volume, skins[j].mesh.volume)
         said = f"parts {skins[i].name} and {skins[j].name} overlap: {share:.2%} of the smaller one counts twice"
         if share > meshes.SLIVER:
-            raise BadInput(source=article, problem=said, remedy="Cut one by the other in the CAD, or correct its position")
+            raise BadInput(article, "", said, "Cut one by the other in the CAD, or correct its position")
         if share > NOTHING:
             yield said
 
@@ -419,7 +417,7 @@ def require_file(path: str | Path) -> Path:
     """
     path = Path(path)
     if not path.exists():
-        raise BadInput(source=str(path), problem="there is no such file or folder", remedy="Check the path")
+        raise BadInput(str(path), "", "there is no such file or folder", "Check the path")
     if path.is_dir():
         there = path / DESCRIPTION
         if there.is_file():
@@ -427,12 +425,12 @@ def require_file(path: str | Path) -> Path:
         parts = sorted(file for file in path.iterdir() if file.suffix.lower() in (*STEP_ENDINGS, *meshes.MESH_ENDINGS))
         if not parts:
             problem = f"the folder holds neither {DESCRIPTION} nor a part ({', '.join(ENDINGS[:-1])})"
-            raise BadInput(source=str(path), problem=problem, remedy="Check the path")
+            raise BadInput(str(path), "", problem, "Check the path")
         problem = f"the folder holds {len(parts)} part(s) but no {DESCRIPTION} to say what they are of"
         remedy = f"Put this into {there}, corrected:\n\n{template(path.name, parts)}\nThen try again"
-        raise BadInput(source=str(path), problem=problem, remedy=remedy)
+        raise BadInput(str(path), "", problem, remedy)
     if not path.is_file():
-        raise BadInput(source=str(path), problem="it is a device or a pipe, where a file is needed", remedy="Check the path")
+        raise BadInput(str(path), "", "it is a device or a pipe, where a file is needed", "Check the path")
     if path.suffix.lower() not in ENDINGS:
         raise _unreadable(path)
     if path.suffix.lower() == ".toml":
@@ -444,7 +442,7 @@ def _unreadable(path: Path) -> BadInput:
     toml_file.require_no_other(path)
     problem = f"a file that ends in {path.suffix.lower() or 'nothing'} cannot be read"
     remedy = f"Give one of {', '.join(ENDINGS)}, or a robot's .urdf, .xml or .sdf"
-    return BadInput(source=str(path), problem=problem, remedy=remedy)
+    return BadInput(str(path), "", problem, remedy)
 
 
 def _finished(name: str, parts: tuple[UserPart, ...], note: str, warnings: tuple[str, ...]) -> UserArticle:
@@ -465,7 +463,7 @@ def _parts(entry: PartEntry, chord: float | None, repair: bool) -> tuple[tuple[U
 
         if entry.unit is not None:
             problem = f"a STEP file states its own unit, and {entry.unit!r} was given beside it"
-            raise BadInput(source=str(entry.file), field="unit", problem=problem, remedy="Leave the unit out")
+            raise BadInput(str(entry.file), "unit", problem, "Leave the unit out")
         found = cad.read(entry.file, chord)
         if entry.body is not None:
             chosen = tuple(body for body in found if entry.body in (body.name, body.label))
@@ -483,7 +481,7 @@ def _parts(entry: PartEntry, chord: float | None, repair: bool) -> tuple[tuple[U
                 f"Give one for all (--material steel), or one for each in an {DESCRIPTION}: "
                 f'[[part]] name = "{entry.name}", file = "{entry.file.name}", materials = {{ {rows} }}'
             )
-            raise BadInput(source=str(entry.file), field="material", problem=problem, remedy=remedy)
+            raise BadInput(str(entry.file), "material", problem, remedy)
         parts: list[UserPart] = []
         for body, same in zip(found, cad.alike([body.solid for body in found]), strict=True):
             if (made := materials[body.name]) is None:
@@ -540,7 +538,7 @@ def _from_mesh(entry: PartEntry, repair: bool) -> tuple[tuple[UserPart, ...], tu
     except BadInput as error:
         if not repair:
             mend = "or add --repair: what is safe is mended, and the rest estimated"
-            raise BadInput(source=source, field=error.field, problem=error.problem, remedy=f"{error.remedy}; {mend}") from None
+            raise BadInput(source, error.field, error.problem, f"{error.remedy}; {mend}") from None
         after = mended(mesh, unit)
         mesh, doubts = after.mesh, (*doubts, f"{source}: {error.problem}", *(f"{source}: {step}" for step in after.steps))
         try:
@@ -550,15 +548,12 @@ def _from_mesh(entry: PartEntry, repair: bool) -> tuple[tuple[UserPart, ...], tu
             refused = left.problem
     if entry.materials:
         problem = "bodies of a mesh have no names"
-        remedy = "Give each a [[part]] of its own with body = 1, 2 ..."
-        raise BadInput(source=source, field="materials", problem=problem, remedy=remedy)
+        raise BadInput(source, "materials", problem, "Give each a [[part]] of its own with body = 1, 2 ...")
     if entry.material is None:
-        problem = "no material is given"
-        remedy = 'Give a name (steel) or a density ("7800 kg/m^3")'
-        raise BadInput(source=source, field="material", problem=problem, remedy=remedy)
+        raise BadInput(source, "material", "no material is given", 'Give a name (steel) or a density ("7800 kg/m^3")')
     if entry.body is not None and refused:
         problem = f"its bodies cannot be told apart, since {refused}"
-        raise BadInput(source=source, field="body", problem=problem, remedy="Mend the mesh, or leave the body out")
+        raise BadInput(source, "body", problem, "Mend the mesh, or leave the body out")
     if entry.body is not None:
         numbers = [str(number) for number in range(1, len(found) + 1)]
         if entry.body not in numbers:
@@ -581,12 +576,11 @@ def _from_mesh(entry: PartEntry, repair: bool) -> tuple[tuple[UserPart, ...], tu
         try:
             estimate = estimated(placed)
         except ValueError:
-            raise BadInput(source=source, problem=f"it encloses nothing: {refused}", remedy="Export the body again") from None
+            raise BadInput(source, "", f"it encloses nothing: {refused}", "Export the body again") from None
     made = entry.material
     return (UserPart(name=entry.name, material=made, source=source, mesh=placed, refused=refused, estimate=estimate),), doubts
 
 
 def _no_body(entry: PartEntry, names: list[str], wanted: str | None = None) -> NoReturn:
     problem = f"it holds no body {wanted or entry.body!r}"
-    remedy = f"It holds {', '.join(names)}"
-    raise BadInput(source=str(entry.file), field="materials" if wanted else "body", problem=problem, remedy=remedy)
+    raise BadInput(str(entry.file), "materials" if wanted else "body", problem, f"It holds {', '.join(names)}")

@@ -55,7 +55,7 @@ def tilt(frequency: npt.ArrayLike, gravity: float) -> Array:
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     if gravity and not np.all(lines > 0):
         problem = f"a tilt follows from an acceleration above 0 Hz only, found {lines.min():g} Hz"
-        raise BadInput(source="gravity", field="frequency", problem=problem, remedy="Leave the line out")
+        raise BadInput("gravity", "frequency", problem, "Leave the line out")
     share = np.divide(gravity, (2 * np.pi * lines) ** 2, out=np.zeros_like(lines), where=lines > 0)
     return np.asarray(np.eye(6) + share[:, None, None] * TILT)
 
@@ -123,8 +123,7 @@ def base_motion(
     verdict = of_motions(spectra.table, used)
     if not verdict.complete:
         problem = f"the accelerometers of {' and '.join(used)} do not tell the six base motions: {verdict.text}"
-        remedy = f"Add one that sees {', '.join(verdict.missing)}, or use another group"
-        raise BadInput(source="base motion", field="channel", problem=problem, remedy=remedy)
+        raise BadInput("base motion", "channel", problem, f"Add one that sees {', '.join(verdict.missing)}, or use another group")
     chosen = spectra.table.select(group=used, quantity="acceleration")
     G = rows_at_lines(spectra, chosen, gravity)
     # (r, n, c) as (1, n, c) where all runs have the same: what follows from it is computed once
@@ -175,7 +174,7 @@ def groups_used(table: ChannelTable) -> tuple[str, ...]:
     together = "Together they do: ask for both groups, and mind that the load cells between them give way" if both else ""
     problem = f"neither the cover plate ({cover.text}) nor the table ({below.text}) tells the six base motions"
     remedy = together or f"Add an accelerometer to the cover plate that sees {', '.join(cover.missing)}"
-    raise BadInput(source="base motion", field="channel", problem=problem, remedy=remedy)
+    raise BadInput("base motion", "channel", problem, remedy)
 
 
 def rows_at_lines(spectra: Spectra, chosen: Sequence[int], gravity: float) -> Array:
@@ -208,7 +207,7 @@ def _roots(noise: Array, weights: npt.ArrayLike | None) -> Array:
         given = np.asarray(weights, dtype=np.float64)
         if given.shape != noise.shape[2:] or not np.all(np.isfinite(given) & (given > 0)):
             problem = f"a positive weight for each of {noise.shape[2]} channels is needed, found {given.tolist()}"
-            raise BadInput(source="base motion", field="weights", problem=problem, remedy="Leave them out for those of the noise")
+            raise BadInput("base motion", "weights", problem, "Leave them out for those of the noise")
         return np.broadcast_to(np.sqrt(given / given.mean()), noise.shape)
     known = np.all(noise > 0, axis=(1, 2))[:, None, None]
     least = np.where(known, noise.min(axis=2, keepdims=True), 1.0)
@@ -276,8 +275,7 @@ class DrivenMotions:
         if self.condition[worst] >= SINGULAR:
             where = f"at {self.frequency[worst]:g} Hz (condition number {self.condition[worst]:.1e})"
             problem = f"the base motions are linearly dependent {where}: {said(self.weak(worst, SINGULAR))}"
-            remedy = "Drive every one of the six axes in a run of its own"
-            raise BadInput(source="dynamic mass from runs", field="runs", problem=problem, remedy=remedy)
+            raise BadInput("dynamic mass from runs", "runs", problem, "Drive every one of the six axes in a run of its own")
 
     def excluded(self, limit: float) -> "Exclusions":
         """Lines whose condition number exceeds `limit` are left out; the reason names the base motions that move together."""
@@ -483,8 +481,7 @@ def resultants(spectra: Spectra) -> Resultants:
     verdict = of_resultants(spectra.table)
     if not verdict.complete:
         problem = f"the load cells do not tell the six resultants: {verdict.text}"
-        remedy = f"Add a load cell that sees {', '.join(verdict.missing)}"
-        raise BadInput(source="resultants", field="channel", problem=problem, remedy=remedy)
+        raise BadInput("resultants", "channel", problem, f"Add a load cell that sees {', '.join(verdict.missing)}")
     chosen = spectra.table.select(group=("fmd",), quantity=("force", "moment"))
     channels = [spectra.table.channels[k] for k in chosen]
     names = tuple(channel.name for channel in channels)

@@ -113,7 +113,7 @@ class Recording:
         BadInput : there is none of this name.
         """
         if name not in self.names:
-            raise BadInput(source=self.source, field=name, problem="there is no such channel", remedy="Check the name")
+            raise BadInput(self.source, name, "there is no such channel", "Check the name")
         column: npt.NDArray[Any] = self.values[:, self.names.index(name)]
         return column
 
@@ -271,7 +271,7 @@ class Campaign:
             if one.name == name:
                 return one
         known = ", ".join(one.name for one in self.runs)
-        raise BadInput(source=self.source, field="run", problem=f"there is no run {name!r}", remedy=f"There are {known}")
+        raise BadInput(self.source, "run", f"there is no run {name!r}", f"There are {known}")
 
 
 # Units of signal files. A channel states its own; its samples are multiplied once, where they are read.
@@ -306,7 +306,7 @@ def factor(unit: object, quantity: str, *, source: str, field: str) -> float:
     other = next((what for what, units in UNITS.items() if name in units), None)
     a = "an" if quantity[0] in "aeiou" else "a"
     problem = f"must be a unit of {a} {quantity}, found {unit!r}" + (f", a unit of {other}" if other else "")
-    raise BadInput(source=source, field=field, problem=problem, remedy=f"{nearest(name, known)}Known are {', '.join(known)}")
+    raise BadInput(source, field, problem, f"{nearest(name, known)}Known are {', '.join(known)}")
 
 
 def is_same(unit: str, other: str, quantity: str) -> bool:
@@ -485,7 +485,7 @@ def problems_of_runs(campaign: Campaign) -> list[BadInput]:
         return []
     alike = "".join(f"; {text}" for text in _copies(campaign))
     remedy = "Record a run that drives each axis, or correct which file belongs to which run"
-    return [BadInput(source=campaign.source, field="run", problem=words + alike, remedy=remedy)]
+    return [BadInput(campaign.source, "run", words + alike, remedy)]
 
 
 def warnings_of_runs(campaign: Campaign) -> tuple[str, ...]:
@@ -555,7 +555,7 @@ def require_finite(values: npt.NDArray[Any], name: str, source: str) -> None:
         problem = (
             f"holds {int(bad.sum())} samples that are {what}, the first is number {int(np.argmax(bad)) + 1} of {len(values)}"
         )
-        raise BadInput(source=source, field=name, problem=problem, remedy="Export it again, or repeat the run")
+        raise BadInput(source, name, problem, "Export it again, or repeat the run")
 
 
 def require_alive(values: npt.NDArray[Any], name: str, source: str) -> None:
@@ -568,7 +568,7 @@ def require_alive(values: npt.NDArray[Any], name: str, source: str) -> None:
     if len(values) and np.all(values == (0 if np.iscomplexobj(values) else values[0])):
         problem = f"is dead: all {len(values)} samples are {values[0]:g}"
         remedy = "Check cable and amplifier, or take the channel out of campaign.toml and of every file"
-        raise BadInput(source=source, field=name, problem=problem, remedy=remedy)
+        raise BadInput(source, name, problem, remedy)
 
 
 def clipped(values: Array) -> int:
@@ -613,19 +613,19 @@ def recording(signals: Signals, table: ChannelTable, toml: str) -> tuple[Recordi
         key = variable(name) if is_mat else name
         if key in called:
             problem = f"stands for {called[key]!r} and {name!r}: a MAT file cannot tell them apart"
-            problems.append(BadInput(source=signals.source, field=key, problem=problem, remedy="Rename one, or export .h5"))
+            problems.append(BadInput(signals.source, key, problem, "Rename one, or export .h5"))
         called[key] = name
     for name in called:
         if name not in signals.samples:
             problem = f"the channel {called[name]!r} is missing"
             like = nearest(name, [other for other in signals.samples if other not in called])
             remedy = f"{like}Export it, or take it out of campaign.toml"
-            problems.append(BadInput(source=signals.source, field=name, problem=problem, remedy=remedy))
+            problems.append(BadInput(signals.source, name, problem, remedy))
     for name in signals.samples:
         if name not in called:
             remedy = "Add it to campaign.toml as a [[channel]], or leave it out of the file"
             problem = "this channel is not in campaign.toml"
-            problems.append(BadInput(source=signals.source, field=name, problem=problem, remedy=remedy))
+            problems.append(BadInput(signals.source, name, problem, remedy))
     samples = {called[name]: values for name, values in signals.samples.items() if name in called}
     for channel in table.channels:
         if channel.name in samples:
@@ -660,7 +660,7 @@ def _problems(values: Samples, channel: Channel, signals: Signals, toml: str) ->
     if np.iscomplexobj(values) != (signals.frequency is not None):
         what = "complex" if np.iscomplexobj(values) else "real"
         problem = f"is {what}, where {'time histories are real' if signals.frequency is None else 'spectra are complex'}"
-        found.append(BadInput(source=signals.source, field=channel.name, problem=problem, remedy="Export it again"))
+        found.append(BadInput(signals.source, channel.name, problem, "Export it again"))
     for check in (require_finite, require_alive):
         try:
             check(values, channel.name, signals.source)
@@ -679,5 +679,5 @@ def _problems(values: Samples, channel: Channel, signals: Signals, toml: str) ->
     if any(_SPELT.get(label, label) in units for units in UNITS.values()) and not is_same(label, channel.unit, channel.quantity):
         said.append(f"its axis is labelled {label}, {toml} gives it in {channel.unit}")
     remedy = "Correct the one that is wrong"
-    contradictions = [BadInput(source=signals.source, field=channel.name, problem=problem, remedy=remedy) for problem in said]
+    contradictions = [BadInput(signals.source, channel.name, problem, remedy) for problem in said]
     return found + contradictions

@@ -103,7 +103,7 @@ class Reader:
 
     def refuse(self, field: str, problem: str, remedy: str) -> None:
         """Add what is wrong with `field`."""
-        self.problems.found.append(BadInput(source=self.source, field=field, problem=problem, remedy=remedy))
+        self.problems.found.append(BadInput(self.source, field, problem, remedy))
 
     def table(self, table: Mapping[str, Any], key: str, known: tuple[str, ...]) -> dict[str, Any]:
         """The table `key`, empty where it is missing, without the keys that are not `known`."""
@@ -457,7 +457,7 @@ def text(campaign: campaigns.Campaign) -> str:
         R = campaign.mounting.rotation
         if abs(R[2, 2] - 1) > ROUNDING:
             problem, remedy = "is turned about another axis than z", "The format knows rotation_deg about z only"
-            raise BadInput(source=campaign.source, field="mounting", problem=problem, remedy=remedy)
+            raise BadInput(campaign.source, "mounting", problem, remedy)
         turn = float(np.degrees(np.arctan2(R[1, 0], R[0, 0])))
         seat = _numbers(campaign.mounting.position)
         blocks.append(("[mounting]", [("origin", seat), ("rotation_deg", _number(turn))]))
@@ -559,7 +559,7 @@ def read(folder: str | Path, *, progress: Progress | None = None) -> campaigns.C
     if not more:
         raise first
     remedy = f"{first.remedy.rstrip('. ')}. `massline check` lists this and {more} more"
-    raise BadInput(source=first.source, field=first.field, problem=first.problem, remedy=remedy)
+    raise BadInput(first.source, first.field, first.problem, remedy)
 
 
 def read_description(folder: str | Path) -> campaigns.Campaign:
@@ -601,7 +601,7 @@ def examine(folder: str | Path, *, progress: Progress | None = None) -> Examined
         if not verdict.complete:
             what = what if len(verdict.missing) == 1 else f"{what}s"
             problem = f"the {what} {', '.join(verdict.missing)} cannot be told from its channels: {verdict.text}"
-            found.append(BadInput(source=source, field="channel", problem=problem, remedy=remedy))
+            found.append(BadInput(source, "channel", problem, remedy))
     problems.found += found
     recordings: dict[str, campaigns.Recording] = {}
     for k, run in enumerate(campaign.runs):
@@ -630,21 +630,18 @@ def write(
     """
     folder = Path(folder)
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        problem = "it is there already and not empty"
-        raise BadInput(source=str(folder), problem=problem, remedy="Name a new folder; a campaign is never overwritten")
+        raise BadInput(str(folder), "", "it is there already and not empty", "Name a new folder; a campaign is never overwritten")
     if ending is not None:
         files.require_known(f"x{ending}", "write", "ending")
     runs = list(campaign.runs)
     for k, run in enumerate(runs if ending is not None else ()):
         file = f"{run.name}{ending}"
         if PurePosixPath(file).name != file or "\\" in file or not file.isprintable() or file.startswith("."):
-            problem = f"cannot be the name of a file, found {run.name!r}"
-            raise BadInput(source=str(folder), field="run.name", problem=problem, remedy="Rename the run")
+            raise BadInput(str(folder), "run.name", f"cannot be the name of a file, found {run.name!r}", "Rename the run")
         runs[k] = replace(run, file=file)
     for k, run in enumerate(runs):
         if run.name not in campaign.recordings:
-            problem = "has no recording"
-            raise BadInput(source=str(folder), field=f"run.{run.name}", problem=problem, remedy="Record or read it first")
+            raise BadInput(str(folder), f"run.{run.name}", "has no recording", "Record or read it first")
         path = inside(folder, run.file, str(folder), f"run.{run.name}.file")
         files.write(path, _signals(campaign.recordings[run.name], campaign))
         if progress is not None:
@@ -668,12 +665,12 @@ def _table(folder: Path, path: Path) -> Mapping[str, object]:
         if folder.suffix.lower() == ".toml" and folder.is_file() and "model" in toml_file.read(folder):
             problem = "it is a model file, where the folder of a campaign is needed"
         remedy = "Check the path" if problem.endswith("file") else f"Name the folder that holds {NAME}"
-        raise BadInput(source=str(folder), problem=problem, remedy=remedy)
+        raise BadInput(str(folder), "", problem, remedy)
     if not path.exists() and not path.is_symlink():
         raise _undescribed(folder)
     require_file(path)
     if path.stat().st_size > LARGEST_TEXT:
-        raise BadInput(source=str(path), problem="it is larger than any campaign.toml", remedy="Check what it holds")
+        raise BadInput(str(path), "", "it is larger than any campaign.toml", "Check what it holds")
     return toml_file.read(path)
 
 
@@ -690,7 +687,7 @@ def _undescribed(folder: Path) -> BadInput:
             f'kind = "response-functions", article = "mine", files = [{named}], responses = ["tip:z", "root:z"], '
             'records = { kind = "hammer" }; for a shaker table campaign.toml; docs/model-file.md and docs/campaigns.md'
         )
-    return BadInput(source=str(folder), problem=problem, remedy=remedy)
+    return BadInput(str(folder), "", problem, remedy)
 
 
 def _recorded(folder: Path, run: campaigns.Run, campaign: campaigns.Campaign, problems: Problems) -> campaigns.Recording | None:
@@ -698,8 +695,7 @@ def _recorded(folder: Path, run: campaigns.Run, campaign: campaigns.Campaign, pr
     try:
         signals = files.read(path)
     except OSError as error:
-        problem = f"it cannot be read: {error.strerror or error}"
-        raise BadInput(source=str(path), problem=problem, remedy="Check its name and permissions") from None
+        raise BadInput(str(path), "", f"it cannot be read: {error.strerror or error}", "Check its name and permissions") from None
     made, found = campaigns.recording(signals, campaign.table, f"{folder.name}/{NAME}")
     problems.found += found
     return made
@@ -714,7 +710,7 @@ def inside(folder: Path, name: str, source: str, field: str) -> Path:
     """
 
     def refused(problem: str) -> BadInput:
-        return BadInput(source=source, field=field, problem=problem, remedy="Put the file into the folder and name it from there")
+        return BadInput(source, field, problem, "Put the file into the folder and name it from there")
 
     parts = PurePosixPath(name).parts
     absolute = PurePosixPath(name).is_absolute() or bool(PureWindowsPath(name).drive) or "\\" in name or "\0" in name
@@ -732,7 +728,7 @@ def _signals(recorded: campaigns.Recording, campaign: campaigns.Campaign) -> Sig
     """The samples in the units of the channel table."""
     if recorded.names != campaign.table.names:
         problem = f"has other channels than the table: {', '.join(recorded.names)}"
-        raise BadInput(source=recorded.source, problem=problem, remedy="Put them in the order of the table")
+        raise BadInput(recorded.source, "", problem, "Put them in the order of the table")
     sizes = [campaigns.factor_of(channel) for channel in campaign.table.channels]
     samples = {name: recorded.values[:, k] / sizes[k] for k, name in enumerate(recorded.names)}
     units = {}  # systems of units in which each quantity has the unit of its size in SI

@@ -583,8 +583,7 @@ class Chain:
         theta = np.zeros(len(self.parameters))
         for name, value in values.items():
             if name not in by_name:
-                problem = "the chain has no such open parameter"
-                raise BadInput(source="measurement chain", field=name, problem=problem, remedy="Give it a tolerance above 0")
+                raise BadInput("measurement chain", name, "the chain has no such open parameter", "Give it a tolerance above 0")
             theta[by_name[name]] = self.parameters[by_name[name]].offset(value)
         return theta
 

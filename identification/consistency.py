@@ -527,7 +527,7 @@ def checks(
     """
     if dynamic_mass.frequency.shape != spectra.frequency.shape or np.any(dynamic_mass.frequency != spectra.frequency):
         problem = f"the dynamic mass has {len(dynamic_mass.frequency)} lines, the spectra have {len(spectra.frequency)} others"
-        raise BadInput(source="closed checks", field="frequency", problem=problem, remedy="Give it at the lines of the spectra")
+        raise BadInput("closed checks", "frequency", problem, "Give it at the lines of the spectra")
     of = readings(spectra, tolerances, gravity)
     H, sd = dynamic_mass.matrix[of.lines], deviation(of)
     elastic = elasticity(of, H, sd)

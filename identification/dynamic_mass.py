@@ -96,7 +96,7 @@ def quotient(load: npt.ArrayLike, motion: npt.ArrayLike, axis: str) -> ComplexAr
 
 def _refused(field: str, problem: str) -> BadInput:
     remedy = "Give the spectra of every run on the same lines, each of the six axes driven in a run of its own"
-    return BadInput(source="dynamic mass from runs", field=field, problem=problem, remedy=remedy)
+    return BadInput("dynamic mass from runs", field, problem, remedy)
 
 
 # What the simple quotient of the driven axis costs beside six runs solved together.
@@ -146,7 +146,7 @@ def cost(load: npt.ArrayLike, motion: npt.ArrayLike, axes: Sequence[str], estima
     lacking = [axis for axis in MOTIONS if axis not in axes]
     if lacking:
         problem = f"no run drives {', '.join(lacking)} alone"
-        raise BadInput(source="quotient of the driven axis", field="runs", problem=problem, remedy="Use all runs together")
+        raise BadInput("quotient of the driven axis", "runs", problem, "Use all runs together")
     runs = [list(axes).index(axis) for axis in MOTIONS]
     columns = np.stack([quotient(F[run], U[run], axis) for run, axis in zip(runs, MOTIONS, strict=True)], axis=2)
     H = estimate.dynamic_mass.matrix
@@ -196,7 +196,7 @@ def balance(H: ComplexArray, motion: ComplexArray, load: ComplexArray, noise: Ru
     R = noise.load + H @ noise.motion @ H.conj().swapaxes(1, 2)
     if not np.all(np.linalg.eigvalsh(R)[..., 0] > 0):
         problem = "loads and motions without any noise cannot be weighed by it"
-        raise BadInput(source="errors in variables", field="noise", problem=problem, remedy="Give the noise of every channel")
+        raise BadInput("errors in variables", "noise", problem, "Give the noise of every channel")
     return np.asarray(load - np.einsum("njk,rnk->rnj", H, motion)), np.asarray(R)
 
 

@@ -108,7 +108,7 @@ def identify(data: ResponseFunctions) -> FreeBody:
     if missing:
         problem = f"nobody says where {', '.join(missing[:4])} {'is' if len(missing) == 1 else 'are'}"
         remedy = "Write coordinates = { tip = [0.1, 0.0, 0.2] } in metres, or export dataset 15 or 2411"
-        raise BadInput(source=data.source, field="coordinates", problem=problem, remedy=remedy)
+        raise BadInput(data.source, "coordinates", problem, remedy)
     if data.quantity != "acceleration":
         turned = (2j * np.pi * np.maximum(data.frequency, 1e-9)) ** {"velocity": 1, "displacement": 2}[data.quantity]
         values = data.values * turned[:, None]
@@ -116,7 +116,7 @@ def identify(data: ResponseFunctions) -> FreeBody:
         values = data.values
     if len(data.drives) < REFERENCES:
         problem = f"there are {len(data.drives)} references, and the mass line of six at least tells the ten parameters"
-        raise BadInput(source=data.source, field="drives", problem=problem, remedy="Strike more points, along all three axes")
+        raise BadInput(data.source, "drives", problem, "Strike more points, along all three axes")
     centre = np.mean([np.asarray(one.position) for one in at], axis=0)
     size = float(np.max(np.linalg.norm([np.asarray(one.position) - centre for one in at], axis=1)))
     for what, points in (("responses", data.responses), ("drives", data.drives)):
@@ -124,7 +124,7 @@ def identify(data: ResponseFunctions) -> FreeBody:
         values_of = np.linalg.svd(G, compute_uv=False)
         if len(points) < 6 or values_of[5] < values_of[0] / CONDITION:
             problem = f"they leave a rigid motion open: their condition number is {values_of[0] / max(values_of[-1], 1e-30):.3g}"
-            raise BadInput(source=data.source, field=what, problem=problem, remedy="Add points off the lines of the others")
+            raise BadInput(data.source, what, problem, "Add points off the lines of the others")
     low, high = data.band
     f = data.frequency
     shape = (len(data.drives), len(data.responses))
@@ -143,7 +143,7 @@ def identify(data: ResponseFunctions) -> FreeBody:
             break
     if len(f[(f >= low) & (f <= high)]) < FEWEST:
         problem = f"fewer than {FEWEST} lines lie within {low:g} to {high:g} Hz"
-        raise BadInput(source=data.source, field="band", problem=problem, remedy="Widen it, or measure with a finer resolution")
+        raise BadInput(data.source, "band", problem, "Widen it, or measure with a finer resolution")
     # Parameters about the origin of those about the centre
     T = np.array([Inertia(parameters=row).about(-centre).parameters for row in np.eye(10)]).T
     inertia = Inertia(parameters=T @ found)

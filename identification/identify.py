@@ -89,13 +89,13 @@ def identify(request: Request, progress: Progress | None = None) -> Identificati
         estimate = from_runs(load.values, motion.values, article.frequency, article.table.origin)
     except BadInput as error:
         source = request.campaign.source
-        raise BadInput(source=source, field=error.field, problem=error.problem, remedy=error.remedy) from None
+        raise BadInput(source, error.field, error.problem, error.remedy) from None
     left_out = estimate.excitation.excluded(request.condition_limit)
     if np.count_nonzero(left_out.kept) < 2:
         why = f": {'; '.join(left_out.reasons)}" if left_out.reasons else ""
         said = f"the base motions are told apart at hardly any line{why}"
         remedy = "Drive every one of the six axes in a run of its own, or raise --condition-limit"
-        raise BadInput(source=request.campaign.source, field="runs", problem=said, remedy=remedy)
+        raise BadInput(request.campaign.source, "runs", said, remedy)
 
     # What is to be taken for rigid is cut well below its first resonance, as far as one would keep of it by hand
     warnings = [*request.campaign.warnings, *article.warnings]
@@ -297,11 +297,11 @@ def fmd(
     BadInput : no tare, or tares of different hardware.
     """
     if not tares:
-        raise BadInput(source="tare", field="tares", problem="the FMD needs a campaign on a known article", remedy="Add one")
+        raise BadInput("tare", "tares", "the FMD needs a campaign on a known article", "Add one")
     stated = sorted({tare.hardware for tare in tares if tare.hardware})
     if len(stated) > 1:
         problem = f"one FMD is asked for, found campaigns of {', '.join(stated)}"
-        raise BadInput(source="tare", field="campaign.hardware", problem=problem, remedy="Give those of one hardware")
+        raise BadInput("tare", "campaign.hardware", problem, "Give those of one hardware")
     if self_calibrated:
         joint = of_fmd(tares, settings)
         found = identified(joint, fitted(joint, settings, progress=progress), settings)

@@ -152,8 +152,7 @@ def cell_springs(elements: Sequence[Place], point: Array, stiffness: npt.ArrayLi
     else:
         if j.shape != (3,) or not np.all(np.isfinite(j)) or np.any(j <= 0):
             problem = f"three positive numbers are needed, along x, y and z of one cell, found {np.asarray(stiffness).tolist()}"
-            remedy = "Give N/m, infinity for a rigid FMD, or leave it out"
-            raise BadInput(source="measurement chain", field="stiffness", problem=problem, remedy=remedy)
+            raise BadInput("measurement chain", "stiffness", problem, "Give N/m, infinity for a rigid FMD, or leave it out")
         k, rigid = frozen(j, (3,), "stiffness"), False
     squares = np.array([place.direction**2 for place in elements]).reshape(-1, 3)
     made = Springs(

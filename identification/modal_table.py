@@ -124,12 +124,11 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     frequency = columns["frequency"]
     if not np.all(frequency > 0):
         k = int(np.argmin(frequency > 0))
-        problem = f"must be positive, found {frequency[k]:g} Hz of mode {k + 1}"
-        raise BadInput(source=source, field="frequencies", problem=problem, remedy="Correct it")
+        raise BadInput(source, "frequencies", f"must be positive, found {frequency[k]:g} Hz of mode {k + 1}", "Correct it")
     if "damping" in columns and np.any(columns["damping"] >= 1):
         k = int(np.argmax(columns["damping"]))
         problem = f"must be a share below 1, found {columns['damping'][k]:g} of mode {k + 1}"
-        raise BadInput(source=source, field="damping", problem=problem, remedy='Write 0.01 or "1 %" where it is in per cent')
+        raise BadInput(source, "damping", problem, 'Write 0.01 or "1 %" where it is in per cent')
     if "damping" in columns and np.sum(columns["damping"] > 0) > 2 and np.median(columns["damping"]) > HEAVY:
         low, high = np.min(columns["damping"]), np.max(columns["damping"])
         warnings.append(f"damping of {source} is {low:.3g} to {high:.3g} of critical: it is likely in per cent")
@@ -145,10 +144,10 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     points, shapes, deviation = _shapes(table, len(frequency), source, folder) if file is None else file[1:]
     seen = [one.name for one in points]
     if twice := sorted({name for name in seen if seen.count(name) > 1}):
-        raise BadInput(source=source, field="sensors", problem=f"{twice[0]} stands twice", remedy="Name every sensor once")
+        raise BadInput(source, "sensors", f"{twice[0]} stands twice", "Name every sensor once")
     if shapes is not None and not np.all(moving := np.isfinite(shapes).all(axis=1) & np.any(shapes != 0, axis=1)):
         problem = f"the shape of mode {int(np.argmin(moving)) + 1} is zero at every sensor, or not finite"
-        raise BadInput(source=source, field="shapes", problem=problem, remedy="Leave that mode's shape out, or correct it")
+        raise BadInput(source, "shapes", problem, "Leave that mode's shape out, or correct it")
     if shapes is not None and len(points) == 1:
         warnings.append(f"shapes at {points[0].name} alone say nothing, since each is known up to a factor; they are left out")
         shapes, deviation = None, None  # its place is one of the structure all the same
@@ -172,12 +171,12 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     for name, values in (*columns.items(), ("shapes_deviation", deviation)):
         if values is not None and name.endswith("deviation") and not np.all(values > 0):
             problem = f"a standard deviation must be positive, found {values.min():g}"
-            raise BadInput(source=source, field=name, problem=problem, remedy="Leave what is not known out of the table")
+            raise BadInput(source, name, problem, "Leave what is not known out of the table")
     left_out = table.get("leave_out", [])
     numbers = range(1, len(frequency) + 1)
     if not isinstance(left_out, list) or not all(one in numbers for one in left_out) or len(set(left_out)) == len(frequency):
         problem = f"must be numbers of modes from 1 to {len(frequency)}, not of all of them, found {left_out!r}"
-        raise BadInput(source=source, field="leave_out", problem=problem, remedy="Write leave_out = [3]")
+        raise BadInput(source, "leave_out", problem, "Write leave_out = [3]")
     kept = [k - 1 for k in numbers if k not in left_out]
     stated = tuple(str(one) for one in table.get("modes", ()))
     called = stated if len(stated) == len(frequency) else tuple(f"mode {k}" for k in numbers)
@@ -185,7 +184,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     before = _before(table, source, folder, frequency[kept], points, own) if "before" in table else None
     gain = table.get("gain", 0.02)
     if not toml_file.is_number(gain) or not 0 <= gain < 10:
-        raise BadInput(source=source, field="gain", problem=f"must be a share such as 0.02, found {gain!r}", remedy="Correct it")
+        raise BadInput(source, "gain", f"must be a share such as 0.02, found {gain!r}", "Correct it")
     return ModalTable(
         source=source,
         title=str(table.get("title", Path(source).stem)),
@@ -210,18 +209,17 @@ def _before(
     """(m, 2) frequencies of the modes of `table` in the earlier state that it names, and their deviations."""
     path = toml_file.named_file(str(table["before"]), folder, source, "before")
     if path.resolve() == Path(source).resolve():
-        raise BadInput(source=source, field="before", problem="names its own table", remedy="Name an earlier test")
+        raise BadInput(source, "before", "names its own table", "Name an earlier test")
     known, article = {"article": table["article"], **toml_file.read(path)}, table["article"]
     if known.get("kind", "modal-table") != "modal-table":
-        problem = f"{path.name} has kind = {known['kind']!r}"
-        raise BadInput(source=source, field="before", problem=problem, remedy="Name a table of modes")
+        raise BadInput(source, "before", f"{path.name} has kind = {known['kind']!r}", "Name a table of modes")
     earlier = of_table({key: value for key, value in known.items() if key != "before"}, str(path), path.parent)
     alike = earlier.sensors == points
     of = paired(frequency, earlier.frequency, shapes if alike else None, earlier.shapes if alike else None)
     if earlier.article != str(article) or -1 in of:
         problem = f"{path.name} has {len(earlier.names)} modes of {earlier.article}, and here are {len(frequency)} of {article}"
         remedy = "Name a test of the same article, and leave out here what it has not: `leave_out`"
-        raise BadInput(source=source, field="before", problem=problem, remedy=remedy)
+        raise BadInput(source, "before", problem, remedy)
     return np.stack([earlier.frequency, earlier.frequency_deviation], axis=1)[list(of)]
 
 
@@ -233,8 +231,7 @@ def _deviation(stated: Any, share: float, of: Array, warnings: list[str], what: 
     if isinstance(stated, str):
         stated = float(toml_file.quantity(stated, "ratio", source=source, field=field).n)
     if not toml_file.is_number(stated) or not 0 < stated < 10:
-        problem = f"must be a share such as {share:g}, found {stated!r}"
-        raise BadInput(source=source, field=field, problem=problem, remedy="Correct it")
+        raise BadInput(source, field, f"must be a share such as {share:g}, found {stated!r}", "Correct it")
     return np.asarray(float(stated) * np.abs(of), dtype=np.float64)
 
 
@@ -262,7 +259,7 @@ def _frequencies(table: Mapping[str, Any], source: str, folder: Path) -> dict[st
     for name, values in found.items():
         if not isinstance(values, list) or not values:
             problem = f"must be a list of one number a mode, found {values!r}"
-            raise BadInput(source=source, field=name, problem=problem, remedy="Write frequencies = [4.06, 4.55]")
+            raise BadInput(source, name, problem, "Write frequencies = [4.06, 4.55]")
         pairs = list[tuple[float, float]]()
         for one in values:
             if isinstance(one, str):
@@ -271,13 +268,13 @@ def _frequencies(table: Mapping[str, Any], source: str, folder: Path) -> dict[st
             elif toml_file.is_number(one) and np.isfinite(one):
                 pairs.append((float(one), 0.0))
             else:
-                raise BadInput(source=source, field=name, problem=f"must be a number, found {one!r}", remedy="Correct it")
+                raise BadInput(source, name, f"must be a number, found {one!r}", "Correct it")
         columns[name] = np.array([value for value, _ in pairs])
         if any(sd > 0 for _, sd in pairs):
             columns[f"{name}_deviation"] = np.array([sd for _, sd in pairs])
         if len(pairs) != len(columns["frequency"]):
             problem = f"states {len(pairs)} modes, and frequencies {len(columns['frequency'])}"
-            raise BadInput(source=source, field=name, problem=problem, remedy="State one of each")
+            raise BadInput(source, name, problem, "State one of each")
     return columns
 
 
@@ -302,7 +299,7 @@ def _of_file(path: Path, table: Mapping[str, Any], source: str) -> FromFile:
         return (*_of_universal(path, table, source), None)
     if path.suffix.lower() in (".csv", ".txt", ".dat"):
         remedy = "Name the columns of a text file under `frequencies` and `shapes`"
-        raise BadInput(source=source, field="file", problem=f"{path.name} is no universal file and no arrays", remedy=remedy)
+        raise BadInput(source, "file", f"{path.name} is no universal file and no arrays", remedy)
     called = toml_file.require_table(table.get("arrays", {}), source=source, where="arrays")
     toml_file.require_known(called, WRITTEN_AS, source=source, where="arrays")
     wanted = {key: (str(called[key]),) if key in called else names for key, names in WRITTEN_AS.items()}
@@ -313,8 +310,7 @@ def _of_file(path: Path, table: Mapping[str, Any], source: str) -> FromFile:
         if name is not None:
             found[key] = there[name]
         elif key == "frequency" or key in called:
-            problem = f"{path.name} has no array {' or '.join(names)}"
-            raise BadInput(source=source, field=f"arrays.{key}", problem=problem, remedy=arrays.SAVE)
+            raise BadInput(source, f"arrays.{key}", f"{path.name} has no array {' or '.join(names)}", arrays.SAVE)
     modes = found["frequency"].size
     columns = {}
     for key in ("frequency", "frequency_deviation", "damping", "damping_deviation"):
@@ -322,8 +318,7 @@ def _of_file(path: Path, table: Mapping[str, Any], source: str) -> FromFile:
             one = found[key]
             if one.size != modes or one.size not in one.shape or np.iscomplexobj(one):
                 problem = f"must be one real number a mode, {modes} in all, found {' x '.join(map(str, one.shape)) or 'one'}"
-                remedy = "Save the modes that were chosen, not all poles"
-                raise BadInput(source=source, field=f"arrays.{key}", problem=problem, remedy=remedy)
+                raise BadInput(source, f"arrays.{key}", problem, "Save the modes that were chosen, not all poles")
             columns[key] = np.asarray(one.real.reshape(-1), dtype=np.float64)
     if "shapes" not in found:
         return columns, (), None, None
@@ -337,7 +332,7 @@ def _of_file(path: Path, table: Mapping[str, Any], source: str) -> FromFile:
             one = one.T
         if one.shape != (modes, len(points)):
             problem = f"are {' x '.join(map(str, one.shape))}, where {len(points)} sensors are named and {modes} modes there"
-            raise BadInput(source=source, field=f"arrays.{key}", problem=problem, remedy="Name every sensor under `sensors`")
+            raise BadInput(source, f"arrays.{key}", problem, "Name every sensor under `sensors`")
         turned[key] = one
     shapes = turned["shapes"]
     real = bool(np.all(shapes.imag == 0))
@@ -349,12 +344,12 @@ def _of_universal(path: Path, table: Mapping[str, Any], source: str) -> tuple[di
     """Frequencies and damping by name, sensors, and shapes (m, s) of a universal file; axes that no mode has are left out."""
     file = uff_tests.read(path)
     if not file.modes:
-        raise BadInput(source=str(path), problem="it holds no dataset 55 or 2414", remedy="Export the modes as dataset 55")
+        raise BadInput(str(path), "", "it holds no dataset 55 or 2414", "Export the modes as dataset 55")
     nodes = file.modes[0].nodes
     for k, one in enumerate(file.modes):
         if one.nodes != nodes:
             problem = f"mode {k + 1} has other nodes than mode 1"
-            raise BadInput(source=str(path), field="dataset 55", problem=problem, remedy="Export all modes at the same nodes")
+            raise BadInput(str(path), "dataset 55", problem, "Export all modes at the same nodes")
     whole = np.array([one.shape for one in file.modes])
     there = [(k, axis) for k in range(len(nodes)) for axis in range(3) if np.any(whole[:, k, axis] != 0)]
     places = uff_tests.places_of(table, source)
@@ -396,7 +391,7 @@ def _shapes(
         problem = (
             f"hold {shapes.shape[0]} modes at {shapes.shape[1]} sensors, where {modes} modes and {len(points)} sensors are named"
         )
-        raise BadInput(source=source, field="shapes", problem=problem, remedy="State a shape a mode, a number a sensor")
+        raise BadInput(source, "shapes", problem, "State a shape a mode, a number a sensor")
     return tuple(points), shapes, deviation
 
 
@@ -412,7 +407,7 @@ def _of_columns(text: text_table.TextTable, stated: Any, modes: int, field: str,
         stated = [stated.replace("{}", str(k + 1)) for k in range(modes)]
     if not isinstance(stated, list) or len(stated) != modes:
         problem = f"must name {modes} columns, found {stated!r}"
-        raise BadInput(source=source, field=field, problem=problem, remedy='Write "mode{}" for mode1, mode2 ..., or a list')
+        raise BadInput(source, field, problem, 'Write "mode{}" for mode1, mode2 ..., or a list')
     return np.array([text.numbers(text.column(str(name), field)) for name in stated])
 
 
@@ -421,7 +416,7 @@ def _typed(stated: Any, source: str) -> Samples:
 
     def refused(found: object) -> BadInput:
         problem = f"must be a list of numbers a mode, found {found!r:.60}"
-        return BadInput(source=source, field="shapes", problem=problem, remedy="Write shapes = [[1, 0.5], [1, -2]]")
+        return BadInput(source, "shapes", problem, "Write shapes = [[1, 0.5], [1, -2]]")
 
     if not isinstance(stated, list) or not all(isinstance(row, list) for row in stated):
         raise refused(stated)

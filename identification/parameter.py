@@ -73,7 +73,7 @@ class Parameter:
         factor = (value - self.above) / self.nominal
         if factor <= 0:
             problem = f"a scale factor must stay positive, found {factor:g}"
-            raise BadInput(source="measurement chain", field=self.name, problem=problem, remedy="Give a smaller change")
+            raise BadInput("measurement chain", self.name, problem, "Give a smaller change")
         return log(factor)
 
     def slope(self, offset: float) -> float:
@@ -95,10 +95,9 @@ def opened(candidates: Iterable[Parameter], overrides: Mapping[str, float]) -> t
     for name, size in overrides.items():
         if name not in names:
             families = ", ".join(sorted({one.family for one in known}))
-            problem = "this chain has no such parameter"
-            raise BadInput(source="tolerances", field=name, problem=problem, remedy=f"Name one of the families {families}")
+            raise BadInput("tolerances", name, "this chain has no such parameter", f"Name one of the families {families}")
         if not (isfinite(size) and size >= 0):
             problem = f"a standard deviation must be finite and not negative, found {size}"
-            raise BadInput(source="tolerances", field=name, problem=problem, remedy="Give it in SI units; 0 closes the parameter")
+            raise BadInput("tolerances", name, problem, "Give it in SI units; 0 closes the parameter")
     changed = (replace(one, tolerance=overrides.get(one.name, overrides.get(one.family, one.tolerance))) for one in known)
     return tuple(one for one in changed if one.tolerance > 0)

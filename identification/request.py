@@ -140,10 +140,10 @@ def require_known(facts: Sequence[Fact]) -> None:
     for fact in facts:
         if fact.quantity not in QUANTITIES:
             remedy = f"{nearest(fact.quantity, QUANTITIES)}Known are {', '.join(QUANTITIES)}"
-            raise BadInput(source=fact.source or "facts", field=fact.quantity, problem="no such quantity", remedy=remedy)
+            raise BadInput(fact.source or "facts", fact.quantity, "no such quantity", remedy)
         if not 0 < fact.sd < np.inf:
             problem = f"its standard deviation must be positive and finite, found {fact.sd}"
-            raise BadInput(source=fact.source or "facts", field=fact.quantity, problem=problem, remedy="State its tolerance")
+            raise BadInput(fact.source or "facts", fact.quantity, problem, "State its tolerance")
 
 
 def equations(facts: Sequence[Fact], parameters: Array) -> tuple[Array, Array]:
@@ -402,7 +402,7 @@ def hardware_groups(evidence: Evidence, settings: Settings) -> tuple[list[int], 
                 problem = f"must be that of the article's campaign, {evidence.hardware!r}, found {tare.hardware!r}"
                 problem = f"{problem}: another FMD, other sensors"
                 remedy = "Give a tare of the same hardware, or ask for the combination explicitly"
-                raise BadInput(source=tare.name, field="campaign.hardware", problem=problem, remedy=remedy)
+                raise BadInput(tare.name, "campaign.hardware", problem, remedy)
             warnings.append(
                 f"{tare.name}: its hardware {tare.hardware!r} is not the article's {evidence.hardware!r}; they share "
                 "neither sensor errors nor FMD, and the tare says nothing about the article"

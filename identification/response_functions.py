@@ -176,11 +176,10 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
             pieces = [_upright(one, warnings) for one in pieces]
         said = {one.quantity: one.source for one in pieces if one.quantity}  # by files that say it
         if len(said) > 1:
-            problem = f"functions of {' and of '.join(said)} stand together"
-            raise BadInput(source=source, field="quantity", problem=problem, remedy="Make a test of each")
+            raise BadInput(source, "quantity", f"functions of {' and of '.join(said)} stand together", "Make a test of each")
         if said and ("quantity" in table or "unit" in table) and quantity not in said:
             problem = f"is {quantity}, and {next(iter(said.values()))} says {next(iter(said))}"
-            raise BadInput(source=source, field="quantity", problem=problem, remedy="Correct it")
+            raise BadInput(source, "quantity", problem, "Correct it")
         quantity = next(iter(said), quantity)
     decay = _number(table.get("records", table), "decay", 0.0, source)
     pieces = [replace(one, values=factor * one.values) for one in pieces]
@@ -191,7 +190,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
     good = isinstance(band, list) and len(band) == 2 and all(isinstance(one, int | float) for one in band)
     if stated is not None and (not good or not 0 < band[0] < band[1] or band[0] >= high or band[1] <= low):
         problem = f"must be [low, high] in Hz within {low:g} to {high:g}, found {band!r}"
-        raise BadInput(source=source, field="band", problem=problem, remedy="Write band = [5, 200]")
+        raise BadInput(source, "band", problem, "Write band = [5, 200]")
     where = sensors.coordinates_of(table, source)
     drives, read = (
         tuple(replace(one, position=where.get(one.place, one.position)) for one in each)
@@ -246,14 +245,13 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
     BadInput : none, other lines, one function twice, a pair that is missing, what looks like force over response.
     """
     if not pieces:
-        raise BadInput(source=source, field="files", problem="no function is found", remedy="Name the files that hold them")
+        raise BadInput(source, "files", "no function is found", "Name the files that hold them")
     warnings: list[str] = []
     pieces = _from_a_common_line(pieces, warnings)
     first = min(pieces, key=lambda one: len(one.frequency))
     n, f = len(first.frequency), first.frequency
     if n < 2:
-        problem = f"it has {n} lines, and at least two are needed"
-        raise BadInput(source=first.source, field="frequency", problem=problem, remedy=files.DAMAGED)
+        raise BadInput(first.source, "frequency", f"it has {n} lines, and at least two are needed", files.DAMAGED)
     for one in pieces:
         step, other = float(np.median(np.diff(f))), float(np.median(np.diff(one.frequency)))
         if abs(other - step) > 1e-6 * step or np.abs(one.frequency[:n] - f).max() > 0.01 * step:
@@ -262,7 +260,7 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
                 f"{first.drive.name} of {first.source} has them {step:.6g} Hz apart from {f[0]:g} Hz on"
             )
             remedy = "Export all functions with one resolution, or make a test of each"
-            raise BadInput(source=one.source, field=f"{one.response.name} over {one.drive.name}", problem=problem, remedy=remedy)
+            raise BadInput(one.source, f"{one.response.name} over {one.drive.name}", problem, remedy)
     longest = max(len(one.frequency) for one in pieces)
     if longest > n:
         warnings.append(f"{first.source} ends at {f[-1]:g} Hz; {longest - n} lines above that other functions have are left out")
@@ -273,16 +271,14 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
         pair = (one.drive.name, one.response.name)
         if pair in by_pair:
             problem = "is there twice" if by_pair[pair].source == one.source else f"is in {by_pair[pair].source} as well"
-            remedy = "Leave one of them out"
-            raise BadInput(source=one.source, field=f"{pair[1]} over {pair[0]}", problem=problem, remedy=remedy)
+            raise BadInput(one.source, f"{pair[1]} over {pair[0]}", problem, "Leave one of them out")
         by_pair[pair] = one
     missing = [f"{response} over {drive}" for drive in drives for response in responses if (drive, response) not in by_pair]
     if missing:
         problem = f"of {len(drives)} references and {len(responses)} responses these are missing: {', '.join(missing[:4])}" + (
             f" and {len(missing) - 4} more" if len(missing) > 4 else ""
         )
-        remedy = "Add the file, or make a test of each reference that has other responses"
-        raise BadInput(source=source, field="files", problem=problem, remedy=remedy)
+        raise BadInput(source, "files", problem, "Add the file, or make a test of each reference that has other responses")
     values = np.array([[by_pair[d, c].values[:n] for c in responses] for d in drives]).transpose(0, 2, 1)
     read = np.flatnonzero(np.any(values != 0, axis=(0, 2)))
     low, high = (0, n) if len(read) < 2 else (int(read[0]) if read[0] > 1 else 0, int(read[-1]) + 1)  # zero at 0 Hz is none
@@ -319,7 +315,7 @@ def _upright(piece: Piece, warnings: list[str]) -> Piece:
     within = slice(int(np.argmax(read)), len(read) - int(np.argmax(read[::-1])))
     if not np.all(read[within]):
         problem = f"is 0 at {piece.frequency[within][np.argmin(read[within])]:g} Hz, where one over it is needed"
-        raise BadInput(source=piece.source, field=name, problem=problem, remedy="Leave this line out of all functions")
+        raise BadInput(piece.source, name, problem, "Leave this line out of all functions")
     if not np.all(read):
         warnings.append(f"{piece.source}: lines at the ends, where force over response is 0, are left out of {name}")
     coherence = None if piece.coherence is None else piece.coherence[within]
@@ -333,7 +329,7 @@ def _turned(piece: Piece, end: str, known: dict[str, Point]) -> Piece:
     along = float(np.asarray(first.direction) @ np.asarray(at.direction))
     if abs(abs(along) - 1) > 1e-6:
         problem = f"{at.name} has one direction here, and another in {piece.source}"
-        raise BadInput(source=piece.source, field=end, problem=problem, remedy="Give each direction a name of its own")
+        raise BadInput(piece.source, end, problem, "Give each direction a name of its own")
     return piece if along > 0 else replace(piece, values=-piece.values)
 
 
@@ -383,7 +379,7 @@ def _require_upright(f: Array, values: ComplexArray, source: str) -> None:
     if out[1] > UNEVEN_PEAKS * out[0] and out[1] > 3.0:
         problem = "the functions look like force over response: they have dips in common where resonances are peaks"
         remedy = "Write inverted = true if each is force over response, or export response over force"
-        raise BadInput(source=source, field="files", problem=problem, remedy=remedy)
+        raise BadInput(source, "files", problem, remedy)
 
 
 def _unit(table: Mapping[str, Any], source: str) -> tuple[str, float]:
@@ -401,11 +397,10 @@ def _unit(table: Mapping[str, Any], source: str) -> tuple[str, float]:
             ", and response over force is needed" if not inverted else ", and inverted = true says otherwise"
         )
         remedy = "Write inverted = true, or export response over force" if not inverted else "Take inverted = true out"
-        raise BadInput(source=source, field="unit", problem=what, remedy=remedy)
+        raise BadInput(source, "unit", what, remedy)
     found = found.removeprefix("force over ")
     if stated is not None and stated != found:
-        problem = f"{unit!r} is one of {found}, and the quantity is {stated}"
-        raise BadInput(source=source, field="unit", problem=problem, remedy="Correct one of them")
+        raise BadInput(source, "unit", f"{unit!r} is one of {found}, and the quantity is {stated}", "Correct one of them")
     return found, (1 / factor if inverted else factor)
 
 
@@ -418,7 +413,7 @@ def _tolerance(value: Any, source: str, field: str) -> float:
         return float(toml_file.quantity(value, "ratio", source=source, field=field).n)
     if not toml_file.is_number(value) or not 0 <= value < 10:
         problem = f"must be a share such as 0.02, or one of {', '.join(words)}, found {value!r}"
-        raise BadInput(source=source, field=field, problem=problem, remedy="Correct it")
+        raise BadInput(source, field, problem, "Correct it")
     return float(value)
 
 
@@ -432,7 +427,7 @@ def _entries(table: Mapping[str, Any], source: str) -> list[dict[str, Any]]:
     """Of every file its path, drive and responses as they are stated."""
     if ("file" in table) == ("files" in table):
         remedy = 'Write file = "functions.csv", or files = [{ path = "one.csv", drive = "tip:z" }, ...]'
-        raise BadInput(source=source, field="files", problem="one of `file` and `files` is needed", remedy=remedy)
+        raise BadInput(source, "files", "one of `file` and `files` is needed", remedy)
     stated = table.get("files", [{"path": table.get("file")}])
     listed = stated if isinstance(stated, list) else [stated]
     found = []
@@ -441,7 +436,7 @@ def _entries(table: Mapping[str, Any], source: str) -> list[dict[str, Any]]:
         entry = dict(one) if isinstance(one, dict) else {"path": one}
         toml_file.require_known(entry, ("path", "drive", "responses", "columns"), source=source, where=where)
         if not isinstance(entry.get("path"), str) or not entry["path"]:
-            raise BadInput(source=source, field=where, problem=f"names no file, found {one!r}", remedy='Write { path = "a.csv" }')
+            raise BadInput(source, where, f"names no file, found {one!r}", 'Write { path = "a.csv" }')
         defaults = {key: table[key] for key in ("drive", "responses", "columns") if key in table}
         found.append({**defaults, **entry})
     return found
@@ -456,15 +451,14 @@ def points_of(
     listed = stated if isinstance(stated, list) else [stated]
     responses = [sensors.point(one, source=source, field="responses", direction=direction) for one in listed]
     if not responses:
-        remedy = 'Write responses = ["tip:z", ...] in the order of the columns'
-        raise BadInput(source=source, field="responses", problem="is missing", remedy=remedy)
+        raise BadInput(source, "responses", "is missing", 'Write responses = ["tip:z", ...] in the order of the columns')
     if entry.get("drive") is None:
         problem = f"is not said for {entry['path']}: the reference is missing"
-        raise BadInput(source=source, field="drive", problem=problem, remedy='Write drive = "tip:z", where the force acts')
+        raise BadInput(source, "drive", problem, 'Write drive = "tip:z", where the force acts')
     drives = entry["drive"] if isinstance(entry["drive"], list) else [entry["drive"]]
     if not drives or (len(drives) > 1 and not several):
         remedy = 'Write one; several at a time are read from records of shakers, with records = { kind = "shaker" }'
-        raise BadInput(source=source, field="drive", problem=f"are {len(drives)} of {entry['path']}", remedy=remedy)
+        raise BadInput(source, "drive", f"are {len(drives)} of {entry['path']}", remedy)
     return [sensors.point(one, source=source, field="drive", direction=direction) for one in drives], responses
 
 
@@ -504,7 +498,7 @@ def _of_records(
             rate, force, read = _record(path, entry, table, len(drives), responses, source)
             if not all(np.all(np.abs(one) < LARGEST) for one in (force, read)):  # NaN is not below, either
                 problem = f"holds numbers that are none, or beyond {LARGEST:g}"
-                raise BadInput(source=str(path), field="records", problem=problem, remedy="Export it again; it may be damaged")
+                raise BadInput(str(path), "records", problem, "Export it again; it may be damaged")
             if kind == SHAKER:
                 window = str(how.get("window", "hann"))
                 band = table.get("band")
@@ -555,8 +549,7 @@ def _number(how: Mapping[str, Any], key: str, usual: float, source: str) -> floa
     if isinstance(value, str):
         return float(toml_file.quantity(value, "time", source=source, field=key).n)
     if not toml_file.is_number(value) or not 0 <= value < 1e6:
-        problem = f"must be a number that is not negative, found {value!r}"
-        raise BadInput(source=source, field=key, problem=problem, remedy='Write block = "4 s"')
+        raise BadInput(source, key, f"must be a number that is not negative, found {value!r}", 'Write block = "4 s"')
     return float(value)
 
 
@@ -568,22 +561,21 @@ def _record(
     forces = columns.pop("force", ["force"] if count == 1 else [])
     if len(set(forces)) != count:
         problem = f"names {len(set(forces))} forces, and the drives are {count}"
-        remedy = 'Write columns = { force = ["F1", "F2"] }, in the order of the drives'
-        raise BadInput(source=source, field="columns.force", problem=problem, remedy=remedy)
+        raise BadInput(source, "columns.force", problem, 'Write columns = { force = ["F1", "F2"] }, in the order of the drives')
     if len(responses) == 1 and "response" in columns:
         columns[responses[0].name] = columns["response"]
     if path.suffix.lower() in (*SIGNALS, *uff.ENDINGS):
         signals = files.read(path)
         if signals.sampling_rate is None:
             problem = "it holds functions of frequency where records of time are needed"
-            raise BadInput(source=str(path), problem=problem, remedy="Take `records` out of the test")
+            raise BadInput(str(path), "", problem, "Take `records` out of the test")
         known = tuple(signals.samples)
         called = _called(known, responses) or {}
         wanted = [*forces, *({**called, **columns}.get(one.name, [one.name])[0] for one in responses)]
         for name in wanted:
             if name not in known:
                 remedy = f"Name the channels in `columns`; there are {', '.join(known)}"
-                raise BadInput(source=str(path), field=name, problem="no channel is called so", remedy=remedy)
+                raise BadInput(str(path), name, "no channel is called so", remedy)
         units = {} if "unit" in table else signals.units
         scaled = {
             name: signals.samples[name] * getattr(units.get(name), "force" if name in forces else "length", 1.0)
@@ -604,7 +596,7 @@ def _record(
         named = rest
     if len(named) != len(responses):
         problem = f"it has {len(rest)} columns beside time and force, and the responses are {len(responses)}"
-        raise BadInput(source=str(path), field="responses", problem=problem, remedy="Name all in order, or state `columns`")
+        raise BadInput(str(path), "responses", problem, "Name all in order, or state `columns`")
     time = text.numbers(axis).real.astype(np.float64)
     rate = files.rate_of_times(time, str(path), text.header[axis] if text.header else "time")
     force, read = (np.column_stack([text.numbers(k).real.astype(np.float64) for k in of]) for of in (driven, named))
@@ -622,7 +614,7 @@ def _of_universal(
     functions, coherences, at = file.functions, file.coherences, list[tuple[Point, Point]]()
     if not functions:
         remedy = "Export response functions as dataset 58, or modes as a modal table"
-        raise BadInput(source=str(path), problem="it holds no dataset 58", remedy=remedy)
+        raise BadInput(str(path), "", "it holds no dataset 58", remedy)
     warnings += file.warnings
     places = uff_tests.places_of(table, source)
     direction, inverted = str(table.get("direction", "")), bool(table.get("inverted", False))
@@ -630,10 +622,10 @@ def _of_universal(
         (drive,), listed = points_of(entry, table, source)
         if len(listed) != len(functions):
             problem = f"are {len(listed)}, and the file has {len(functions)} functions without nodes"
-            raise BadInput(source=str(path), field="responses", problem=problem, remedy="Name one of each, in their order")
+            raise BadInput(str(path), "responses", problem, "Name one of each, in their order")
         if coherences and len(coherences) != len(functions):
             problem = f"it has {len(coherences)} coherences and {len(functions)} functions without nodes"
-            raise BadInput(source=str(path), field="coherence", problem=problem, remedy="Export one with each function, or none")
+            raise BadInput(str(path), "coherence", problem, "Export one with each function, or none")
         at = [(drive, response) for response in listed]
     elif len({(one.response, one.reference) for one in coherences}) < len(coherences):
         warnings.append(f"{path} holds several coherences of the same nodes, and they are passed over")
@@ -647,7 +639,7 @@ def _of_universal(
         if not at and one.reference == uff_tests.NOWHERE:
             problem = f"the function of node {one.response.node} names no reference node: where the force acted is missing"
             remedy = "Export it with its reference, or write `drive` and `responses` where it names no nodes at all"
-            raise BadInput(source=str(path), field="reference", problem=problem, remedy=remedy)
+            raise BadInput(str(path), "reference", problem, remedy)
         values = one.upright(str(path), inverted, unit)
         ends = (one.response, one.reference) if inverted else (one.reference, one.response)
         drive, response = at[k] if at else (uff_tests.point(end, file, places, direction) for end in ends)
@@ -655,7 +647,7 @@ def _of_universal(
         f = one.frequency if coherence is None else coherence.frequency
         if f.shape != one.frequency.shape or not np.allclose(f, one.frequency, rtol=1e-5):
             problem = f"of {response.name} over {drive.name} has other lines than its function"
-            raise BadInput(source=str(path), field="coherence", problem=problem, remedy="Export both with the same lines")
+            raise BadInput(str(path), "coherence", problem, "Export both with the same lines")
         found.append(
             Piece(
                 source=str(path),
@@ -677,7 +669,7 @@ def _of_signals(
     signals = files.read(path)
     if signals.frequency is None:
         problem = "it holds time histories where functions of frequency are needed"
-        raise BadInput(source=str(path), problem=problem, remedy="Write records = { } to make functions of them")
+        raise BadInput(str(path), "", problem, "Write records = { } to make functions of them")
     known = tuple(signals.samples)
     columns = {**(_called(known, responses) or {}), **_columns(entry, responses, source)}
     names = [
@@ -687,11 +679,9 @@ def _of_signals(
     found = []
     for (name, *_), one in zip(names, responses, strict=True):
         if name not in signals.samples:
-            problem = f"no vector is called {name!r}"
-            raise BadInput(source=str(path), field=one.name, problem=problem, remedy=f"There are {', '.join(known)}")
+            raise BadInput(str(path), one.name, f"no vector is called {name!r}", f"There are {', '.join(known)}")
         if not np.iscomplexobj(signals.samples[name]):
-            problem = "is real, and complex functions are needed"
-            raise BadInput(source=str(path), field=name, problem=problem, remedy="Save them complex")
+            raise BadInput(str(path), name, "is real, and complex functions are needed", "Save them complex")
         found.append(np.asarray(signals.samples[name], dtype=np.complex128))
     return signals.frequency, found
 
@@ -731,8 +721,7 @@ def _of_text(
     named = {**(called or {}), **named}
     if not all(one.name in named for one in responses) and len(rest) != each * len(responses):
         problem = f"it has {len(rest)} columns beside the frequency, neither one nor two for each of {len(responses)} responses"
-        remedy = "Name all of them in order, or state `columns`"
-        raise BadInput(source=str(path), field="responses", problem=problem, remedy=remedy)
+        raise BadInput(str(path), "responses", problem, "Name all of them in order, or state `columns`")
     places = [
         [text.column(name, f"columns.{one.name}") for name in named[one.name]]
         if one.name in named
@@ -768,7 +757,7 @@ def _joined(columns: list[Any], header: Sequence[str], stated: str | None, sourc
     """
 
     def refused(problem: str, remedy: str) -> BadInput:
-        return BadInput(source=source, field="parts", problem=problem, remedy=remedy)
+        return BadInput(source, "parts", problem, remedy)
 
     if len(columns) == 1:
         if np.iscomplexobj(columns[0]) and stated in (None, COMPLEX):

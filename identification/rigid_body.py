@@ -204,8 +204,7 @@ def require_known(robust: str) -> None:
     """
     if robust not in WEIGHTS:
         known = ", ".join(repr(name) for name in WEIGHTS)
-        problem = f"must be one of {known}, found {robust!r}"
-        raise BadInput(source="ten parameters", field="robust", problem=problem, remedy="Take one of these")
+        raise BadInput("ten parameters", "robust", f"must be one of {known}, found {robust!r}", "Take one of these")
 
 
 def _weighted(equations: Equations, weight: Array) -> RigidSolution:
@@ -322,7 +321,7 @@ def fit(
         C = np.asarray(covariance, dtype=np.complex128)
         if weights is not None or C.shape != (lines, 36, 36):
             problem = f"give either `weights` or a covariance of shape {(lines, 36, 36)}, found {C.shape}"
-            raise BadInput(source="ten parameters", field="covariance", problem=problem, remedy="Leave one of them out")
+            raise BadInput("ten parameters", "covariance", problem, "Leave one of them out")
         W = np.asarray(np.linalg.inv(np.linalg.cholesky(C)))
         rows, values = W @ rows, (W @ values[:, :, None])[:, :, 0]
     else:
@@ -335,7 +334,7 @@ def fit(
         if w.shape != H.matrix.shape or not np.all((w >= 0) & np.isfinite(w)):
             problem = f"must be finite, not negative and of shape {H.matrix.shape}"
             remedy = "Give one over the standard deviation"
-            raise BadInput(source="ten parameters", field="weights", problem=f"{problem}, found shape {w.shape}", remedy=remedy)
+            raise BadInput("ten parameters", "weights", f"{problem}, found shape {w.shape}", remedy)
         rows, values = rows * w.reshape(-1, 36, 1), values * w.reshape(-1, 36)
     equations = Equations(rows=rows.reshape(-1, 1, 10), values=values.reshape(-1, 1), left=rows.reshape(-1, 1, 10))
     return _told(solve(equations, robust), 1, known, H.reference_point, consistent, (len(values), 6, 6))
@@ -373,7 +372,7 @@ def from_spectra(
     found = [U.shape, F.shape, *([] if noise is None else [noise.load.shape[:3], noise.motion.shape[:3]])]
     if any(shape != U.shape for shape in found) or U.ndim != 3 or U.shape[1:] != (len(lines), 6):
         problem = f"motions and loads of (runs, {len(lines)} lines, 6) are needed, found {', '.join(map(str, found))}"
-        raise BadInput(source="ten parameters", field="spectra", problem=problem, remedy="Give them on the same lines")
+        raise BadInput("ten parameters", "spectra", problem, "Give them on the same lines")
     require_known(robust)
     T = tilt(lines, gravity)
     data = _Data(

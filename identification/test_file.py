@@ -70,12 +70,12 @@ def tables(path: str | Path, article: str) -> tuple[Mapping[str, Any], ...]:
     if not uff.is_universal(path):
         toml_file.require_no_other(path)
         remedy = 'Describe the test: kind = "response-functions" or "modal-table", article, file and places; docs/model-file.md'
-        raise BadInput(source=str(path), problem="it is neither a test's description nor a universal file", remedy=remedy)
+        raise BadInput(str(path), "", "it is neither a test's description nor a universal file", remedy)
     found = uff_tests.read(path)
     kinds = [kind for kind, there in ((RESPONSE_FUNCTIONS, found.functions), (MODAL_TABLE, found.modes)) if there]
     if not kinds:
         problem = "it holds neither response functions (dataset 58) nor modes (55, 2414)"
-        raise BadInput(source=str(path), problem=problem, remedy="Export one of them; nodes and elements alone are no test")
+        raise BadInput(str(path), "", problem, "Export one of them; nodes and elements alone are no test")
     return tuple({"kind": kind, "article": article, "file": path.name} for kind in kinds)
 
 
@@ -95,7 +95,7 @@ def seen(file: str | Path, out: Path, where: str) -> str:
     found = os.path.relpath(file, out.resolve().parent)
     if Path(found).parts[:1] == ("..",):
         problem = f"{file} does not lie in {out.resolve().parent} or below"
-        raise BadInput(source=where, problem=problem, remedy="Write what names it beside its data")
+        raise BadInput(where, "", problem, "Write what names it beside its data")
     return found.replace(os.sep, "/")
 
 

@@ -105,7 +105,7 @@ def inverse(named: Named, channels: tuple[str, ...], chosen: Sequence[int], held
         lost = np.flatnonzero(~(singular[:, -1] * WORST > singular[:, 0]))
         if len(lost):
             problem = f"cannot be taken out of a record: at {lines[lost[0]]:.4g} Hz its equation leaves nothing of the signal"
-            raise BadInput(source=named.id, problem=problem, remedy=ADD.format(named=named))
+            raise BadInput(named.id, "", problem, ADD.format(named=named))
         return np.asarray(np.linalg.inv(matrix))
 
     return response
@@ -221,8 +221,7 @@ def corrected(campaign: Campaign, named: Named) -> Corrected:
     correction = CORRECTIONS.get(named.family, _by_equation if own else None)
     if correction is None:
         why, remedy = OF_FAMILY.get(named.family) or OF_SIDE.get(family.side) or ("no inverse of its equation is known", ADD)
-        problem = f"cannot be taken out of a record: {why}"
-        raise BadInput(source=named.id, problem=problem, remedy=remedy.format(named=named))
+        raise BadInput(named.id, "", f"cannot be taken out of a record: {why}", remedy.format(named=named))
     if named.values and all(named.values[size.key] == size.null for size in named.sizes):
         raise _idle(named, "this is the size of no effect")
     found = correction(campaign, named)
@@ -258,8 +257,7 @@ def _shunt(campaign: Campaign, named: Named) -> Corrected:
         elif np.ptp(along) > PARALLEL:
             problem = f"{channel.name} adds up cells of several directions, which lost different shares"
         if problem:
-            remedy = "Give the cells' own channels, or add the effect to the model"
-            raise BadInput(source=named.id, problem=problem, remedy=remedy)
+            raise BadInput(named.id, "", problem, "Give the cells' own channels, or add the effect to the model")
         shares[channel.name] = along[0]
     factors = {name: 1 / (1 - named.value * share) for name, share in shares.items() if share > PARALLEL}
     if not factors:
@@ -379,7 +377,7 @@ def _tabled(campaign: Campaign, names: Sequence[str] | Mapping[str, float], chan
 
 
 def _idle(named: Named, why: str) -> BadInput:
-    return BadInput(source=named.id, problem=f"there is nothing to correct: {why}", remedy="Check the target")
+    return BadInput(named.id, "", f"there is nothing to correct: {why}", "Check the target")
 
 
 # Faults as they are typed, taken out one upon the other, and what that changed.

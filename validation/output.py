@@ -306,11 +306,10 @@ def require_ending(path: Path, endings: Sequence[str], what: str, example: str) 
     BadInput : no file is named, or its ending is not one of `endings`; `example` is one that is.
     """
     if not path.name:
-        raise BadInput(source="--out", problem="no file is named", remedy=f"Give one, such as {example}, or leave it out")
+        raise BadInput("--out", "", "no file is named", f"Give one, such as {example}, or leave it out")
     if path.suffix.lower() not in endings:
         problem = f"{what} is written as {', '.join(endings)}, found {path.suffix or 'no ending'}"
-        remedy = "Name the file so, the ending chooses the format"
-        raise BadInput(source=str(path), field="--out", problem=problem, remedy=remedy)
+        raise BadInput(str(path), "--out", problem, "Name the file so, the ending chooses the format")
 
 
 OF_FILES = (".html", ".htm", ".pdf", ".json", ".toml", ".csv", ".txt", ".png", ".svg")
@@ -336,7 +335,7 @@ def require_folder(folder: Path, option: str) -> None:
     """
     if folder.is_file() or (folder.suffix.lower() in OF_FILES and not folder.is_dir()):
         problem = f"{folder} is {'' if folder.is_file() else 'named like '}a file, and several are written into a folder"
-        raise BadInput(source=option, problem=problem, remedy="Name a new folder; `massline report` writes one page")
+        raise BadInput(option, "", problem, "Name a new folder; `massline report` writes one page")
     _tried(probe_folder, folder, option)
 
 
@@ -345,8 +344,7 @@ def _tried(attempt: Callable[[Path], None], path: Path, option: str) -> None:
         attempt(path)
     except OSError as error:
         problem = f"{path} cannot be written: {error.strerror}"
-        remedy = "Name a folder that is there and may be written to"
-        raise BadInput(source=option, problem=problem, remedy=remedy) from None
+        raise BadInput(option, "", problem, "Name a folder that is there and may be written to") from None
 
 
 # Numbers as pages have them: which digits mean something, and the unit behind them.

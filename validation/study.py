@@ -119,7 +119,7 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
         some = "there is no campaign and no test among them, and weights and periods alone tell nothing of frequencies"
         problem = some if paths else none
         remedy = "Name a campaign folder or the file of a test; `massline weigh`, `cog` and `pendulum` reduce files alone"
-        raise BadInput(source="DATA", problem=problem, remedy=remedy)
+        raise BadInput("DATA", "", problem, remedy)
     described = [campaign_file.read_description(folder) for folder in folders]
     for k, one in enumerate(described):
         for other in described[:k]:  # one article on two FMDs is two series, whatever the model says
@@ -127,7 +127,7 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
                 problem = f"is {one.hardware}, and that of {other.source}, also of {one.article}, is {other.hardware}"
                 remedy = "Another FMD has other sensors: compare each series with a model of its own"
                 where = f"{one.source}/{campaign_file.NAME}"
-                raise BadInput(source=where, field="campaign.hardware", problem=problem, remedy=remedy)
+                raise BadInput(where, "campaign.hardware", problem, remedy)
     if described:
         require_pair(model, described)
         require_bodies(model, described)
@@ -170,7 +170,7 @@ def tests_in(path: Path) -> tuple[Test, ...] | None:
     if "model" in table and "test" in table:
         return read_tests((), model_file.of_table(table, str(path)))
     what = "a model file without a [[test]]" if "model" in table else f"a file with {', '.join(table) or 'nothing'}"
-    raise BadInput(source=str(path), problem=f"it is {what}, no measurement", remedy="Name the folder of a campaign, or a test")
+    raise BadInput(str(path), "", f"it is {what}, no measurement", "Name the folder of a campaign, or a test")
 
 
 def is_test(path: str) -> bool:
@@ -204,16 +204,15 @@ def only_files(paths: Sequence[str]) -> tuple[str, ...]:
 def _require_measurement(path: str) -> None:
     """Refuse what is no measurement file, and what is not there."""
     if Path(path).name == campaign_file.NAME:
-        problem = "this is the description of a campaign"
-        raise BadInput(source=path, problem=problem, remedy=f"Name its folder, {Path(path).parent}")
+        raise BadInput(path, "", "this is the description of a campaign", f"Name its folder, {Path(path).parent}")
     if path.endswith(TRUTH):
         problem = "this is the truth beside a simulated campaign, which no comparison may know"
-        raise BadInput(source=path, problem=problem, remedy="Leave it out: name the folders alone")
+        raise BadInput(path, "", problem, "Leave it out: name the folders alone")
     known = files.shipped()
     if not Path(path).exists() and path.removesuffix(".toml") not in known:
         beside = [str(one) for one in Path(path).parent.iterdir()] if Path(path).parent.is_dir() else []
         remedy = f"{nearest(path, beside)}Name campaign folders, and weigh, cog and pendulum files"
-        raise BadInput(source=path, problem="there is no such file or folder", remedy=remedy)
+        raise BadInput(path, "", "there is no such file or folder", remedy)
     files.read(path, files.KINDS)
 
 
@@ -223,8 +222,7 @@ def _require_once(paths: Sequence[str]) -> None:
         where = Path(path).resolve()
         if where in seen:
             same = "is named twice" if seen[where] == path else f"is the same as {seen[where]}"
-            remedy = "Data that count twice are trusted twice: name it once"
-            raise BadInput(source="DATA", field=path, problem=same, remedy=remedy)
+            raise BadInput("DATA", path, same, "Data that count twice are trusted twice: name it once")
         seen[where] = path
 
 
@@ -232,7 +230,7 @@ def require_band(band: tuple[float, float] | None) -> None:
     """Refuse a band that ends before it begins."""
     if band is not None and not (0 < band[0] < band[1] and isfinite(band[1])):
         problem = f"two frequencies, the lower one first and above 0 Hz, are expected, found {band[0]:g} {band[1]:g}"
-        raise BadInput(source="--band", problem=problem, remedy="Write for example --band 4 32")
+        raise BadInput("--band", "", problem, "Write for example --band 4 32")
 
 
 def resolved_names(problem: Problem, data: Data, names: Sequence[str]) -> tuple[str, ...]:
@@ -376,7 +374,7 @@ class Study:
         ready = self.over(made_ready)
         for place, said in outside.items():
             if said and None not in said and (error := said[0]) is not None:
-                raise BadInput(source=self.model.source, field=place, problem=error.problem, remedy=error.remedy)
+                raise BadInput(self.model.source, place, error.problem, error.remedy)
         if not anew:
             return ready
         model = replace(self.model, looked_at=tuple(dict.fromkeys((*self.model.positions, *positions))))

@@ -78,8 +78,7 @@ def require_positive(value: float, field: str, source: str, unit: str = "") -> N
     BadInput : zero, negative, NaN or infinite.
     """
     if not (isfinite(value) and value > 0):
-        problem = f"must be positive and finite, found {value:g} {unit}".rstrip()
-        raise BadInput(source=source, field=field, problem=problem, remedy="Give a positive number")
+        raise BadInput(source, field, f"must be positive and finite, found {value:g} {unit}".rstrip(), "Give a positive number")
 
 
 def require_not_negative(value: float, field: str, source: str, unit: str) -> None:
@@ -91,7 +90,7 @@ def require_not_negative(value: float, field: str, source: str, unit: str) -> No
     """
     if not (isfinite(value) and value >= 0):
         problem = f"must be finite and not negative, found {value:g} {unit}".rstrip()
-        raise BadInput(source=source, field=field, problem=problem, remedy="Give 0 or a positive number")
+        raise BadInput(source, field, problem, "Give 0 or a positive number")
 
 
 def require_band(start: float, stop: float, source: str, *, line: bool = False) -> None:
@@ -104,8 +103,7 @@ def require_band(start: float, stop: float, source: str, *, line: bool = False) 
     require_positive(start, "start", source, "Hz")
     require_positive(stop, "stop", source, "Hz")
     if start > stop or (start == stop and not line):
-        problem = f"must be below `stop`, found {start:g} Hz and {stop:g} Hz"
-        raise BadInput(source=source, field="start", problem=problem, remedy="Give the lower bound first")
+        raise BadInput(source, "start", f"must be below `stop`, found {start:g} Hz and {stop:g} Hz", "Give the lower bound first")
 
 
 # `CrossMotion`: what a real table does besides what it is asked for, a few per cent in all other axes (paper, section 4).
@@ -146,7 +144,7 @@ class CrossMotion:
         if abs(self.share[worst]) > LARGEST_SHARE:
             to, of = (MOTIONS[int(i)] for i in worst)
             problem = f"must be at most {LARGEST_SHARE:g} everywhere, found {self.share[worst]:g} of {of} in {to}"
-            raise BadInput(source=SOURCE, field="share", problem=problem, remedy="Give a few per cent, such as 0.03")
+            raise BadInput(SOURCE, "share", problem, "Give a few per cent, such as 0.03")
 
     @property
     def delay(self) -> float:
@@ -320,7 +318,7 @@ def sampled(
     samples = (driven + ring_down) * sampling_rate
     if samples > MOST_SAMPLES:
         problem = f"the record would have {samples:.3g} samples, more than {MOST_SAMPLES:.3g}"
-        raise BadInput(source=pattern.label, problem=problem, remedy="Sweep faster, shorten the record or sample slower")
+        raise BadInput(pattern.label, "", problem, "Sweep faster, shorten the record or sample slower")
     clock = Clock(sampling_rate=sampling_rate, count=ceil(samples - 1e-6) + 1)
     signals, to = driven_by(pattern, clock, cross)
     displacement, velocity, acceleration = (to @ signals).transpose(0, 2, 1)
@@ -355,8 +353,7 @@ def require_below_nyquist(pattern: Pattern, sampling_rate: float) -> None:
     """
     if pattern.highest >= sampling_rate / 2:
         problem = f"must be above twice the highest frequency driven, {pattern.highest:.4g} Hz, found {sampling_rate:g} Hz"
-        remedy = "Sample faster or stop the excitation lower"
-        raise BadInput(source=pattern.label, field="sampling_rate", problem=problem, remedy=remedy)
+        raise BadInput(pattern.label, "sampling_rate", problem, "Sample faster or stop the excitation lower")
 
 
 # Noise of one level over a band as a sum of equally strong lines of random phase, evaluated by FFT with exact derivatives.
@@ -386,8 +383,7 @@ def noise(clock: Clock, lines: Array, phase: Array, duration: float, rms: float)
     n = round(T * clock.sampling_rate)
     if abs(n - T * clock.sampling_rate) > 1e-6:
         problem = f"noise of a period of {T} s needs a whole number of samples in it, found {T * clock.sampling_rate:.6g}"
-        remedy = "Sample at a whole number of hertz"
-        raise BadInput(source="noise", field="sampling_rate", problem=problem, remedy=remedy)
+        raise BadInput("noise", "sampling_rate", problem, "Sample at a whole number of hertz")
     omega = 2 * np.pi * lines / T
     acceleration = rms * np.sqrt(2 / lines.size) * np.exp(1j * (phase - omega * clock.late))
     derivatives = []
@@ -485,7 +481,7 @@ def _settle(pattern: "Random | Burst", levels: str, cycles: float, source: str, 
     start, stop, duration, seed = pattern.start, pattern.stop, pattern.duration, pattern.seed
     named: Mapping[str, float] = getattr(pattern, levels)
     if not named:
-        raise BadInput(source=source, field=levels, problem="names no axis", remedy=f"Name some of {', '.join(MOTIONS)}")
+        raise BadInput(source, levels, "names no axis", f"Name some of {', '.join(MOTIONS)}")
     for axis, level in named.items():
         one_of(axis, MOTIONS, source=source, where=levels)
         require_positive(level, f"{levels}.{axis}", source, unit(axis))
@@ -495,13 +491,13 @@ def _settle(pattern: "Random | Burst", levels: str, cycles: float, source: str, 
     require_positive(duration, "duration", source, "s")
     if duration * start < cycles:
         problem = f"must be at least {cycles:g} cycles of {start:g} Hz, {cycles / start:.4g} s, found {duration:g} s"
-        raise BadInput(source=source, field="duration", problem=problem, remedy="Drive longer or start higher")
+        raise BadInput(source, "duration", problem, "Drive longer or start higher")
     if start < stop and not line_numbers(start, stop, duration):
         problem = f"no line of noise of {duration:g} s lies between {start:g} and {stop:g} Hz"
-        raise BadInput(source=source, field="stop", problem=problem, remedy="Drive longer or widen the band")
+        raise BadInput(source, "stop", problem, "Drive longer or widen the band")
     number = int(seed.integers(2**63)) if isinstance(seed, np.random.Generator) else seed
     if number < 0:
-        raise BadInput(source=source, field="seed", problem=f"must not be negative, found {number}", remedy="Give 0 or more")
+        raise BadInput(source, "seed", f"must not be negative, found {number}", "Give 0 or more")
     object.__setattr__(pattern, "seed", number)
 
 
@@ -603,11 +599,11 @@ class Sweep:
         require_positive(self.level, "level", source)
         require_not_negative(self.delay, "delay", source, "s")
         if not np.isfinite(self.phase):
-            raise BadInput(source=source, field="phase", problem=f"must be finite, found {self.phase:g}", remedy="Give radians")
+            raise BadInput(source, "phase", f"must be finite, found {self.phase:g}", "Give radians")
         fastest = np.sqrt(2 * LEVEL_ERROR) * 2 * np.pi * self.start * 60 / np.log(2)
         if self.rate > fastest:
             problem = f"at most {fastest:.4g} oct/min keep the level at {self.start:g} Hz, found {self.rate:g} oct/min"
-            raise BadInput(source=source, field="rate", problem=problem, remedy="Sweep slower or start higher")
+            raise BadInput(source, "rate", problem, "Sweep slower or start higher")
 
     @property
     def amplitude(self) -> float:
@@ -650,7 +646,7 @@ class Sweep:
         inside = (f >= self.lowest * (1 - 1e-9)) & (f <= self.highest * (1 + 1e-9))
         if not np.all(inside):
             problem = f"the sweep runs from {self.lowest:.4g} to {self.highest:.4g} Hz, found {f[~inside].flat[0]:g} Hz"
-            raise BadInput(source=self.label, field="frequency", problem=problem, remedy="Name a frequency in between")
+            raise BadInput(self.label, "frequency", problem, "Name a frequency in between")
         return np.asarray(self.delay + np.log(f / self.lowest) / self._growth)
 
     def signals(self, clock: Clock) -> Mapping[str, Jet]:
@@ -708,7 +704,7 @@ class MultiAxis:
 
     def __post_init__(self) -> None:
         if not self.patterns:
-            raise BadInput(source="multi-axis excitation", field="patterns", problem="is empty", remedy="Name at least one")
+            raise BadInput("multi-axis excitation", "patterns", "is empty", "Name at least one")
 
     @property
     def label(self) -> str:

@@ -245,7 +245,7 @@ def require_fine(article: FlexibleBody, sampling_rate: float) -> None:
         where = "beyond half the sampling rate" if 2 * highest > sampling_rate else "sampled too coarsely"
         problem = f"the highest kept mode, {highest:.4g} Hz, is {where}, found {sampling_rate:g} Hz"
         remedy = f"Simulate at {np.ceil(COARSEST * highest):.0f} Hz or more, or keep fewer modes"
-        raise BadInput(source=f"simulation of {article.name}", field="sampling_rate", problem=problem, remedy=remedy)
+        raise BadInput(f"simulation of {article.name}", "sampling_rate", problem, remedy)
 
 
 # Whether a run stays where the linear equations hold: "rotational amplitudes and velocities sufficiently small" (paper 2.1).
@@ -493,8 +493,7 @@ def require_recorded(highest: float, rate: float, source: str) -> None:
         nyquist = f"Nyquist frequency of {rate / 2:g} Hz"
         limit = nyquist if highest >= rate / 2 else f"pass-band of the anti-alias filter, {pass_band(rate):g} Hz"
         problem = f"it drives up to {highest:.4g} Hz, beyond the {limit}, that a record of {rate:g} Hz has"
-        remedy = f"Record at {2 * highest / PASS:.4g} Hz or more, or stop the excitation lower"
-        raise BadInput(source=source, field="rate", problem=problem, remedy=remedy)
+        raise BadInput(source, "rate", problem, f"Record at {2 * highest / PASS:.4g} Hz or more, or stop the excitation lower")
 
 
 @overload
@@ -753,12 +752,10 @@ def _factor(simulated: float, rate: float) -> int:
         less, more = simulated / (int(simulated / rate) + 1), simulated / max(1, int(simulated / rate))
         below = f"Record at {less:g} or {more:g} Hz" if rate < simulated else f"Record at {simulated:g} Hz or less"
         problem = f"the simulation's {simulated:g} Hz must be a whole multiple of it, found {rate:g} Hz"
-        remedy = f"{below}, or simulate at {simulation_rate(rate, simulated):g} Hz"
-        raise BadInput(source="decimation", field="rate", problem=problem, remedy=remedy)
+        raise BadInput("decimation", "rate", problem, f"{below}, or simulate at {simulation_rate(rate, simulated):g} Hz")
     return factor
 
 
 def _require_rate(rate: float, field: str) -> None:
     if not (isfinite(rate) and rate > 0):
-        problem = f"must be positive and finite, found {rate:g} Hz"
-        raise BadInput(source="decimation", field=field, problem=problem, remedy="Give a positive rate")
+        raise BadInput("decimation", field, f"must be positive and finite, found {rate:g} Hz", "Give a positive rate")

@@ -208,8 +208,7 @@ def flexible(name: str, structure: Structure, modes: Modes, *, places: Places = 
         problem = (
             f"shapes on all {structure.mass.shape[0]} degrees of freedom of the structure are needed, found {len(modes.shapes)}"
         )
-        remedy = "Bring the modes of this structure, or use modal data alone"
-        raise BadInput(source=f"body {name}", field="modes", problem=problem, remedy=remedy)
+        raise BadInput(f"body {name}", "modes", problem, "Bring the modes of this structure, or use modal data alone")
     held = hold(structure)
     X = static_shapes(held.stiffness, held.mass, held.load, modes.shapes[held.free])
     squares, V = np.linalg.eigh(X.T @ (held.stiffness @ X))
@@ -225,7 +224,7 @@ def flexible(name: str, structure: Structure, modes: Modes, *, places: Places = 
             found = f"the nearest is {1e3 * distance.min():.1f} mm away" if len(distance) else "it has none"
             problem = f"a point whose motion is known must lie within {1e3 * NEAR * size:.1f} mm, and {found}"
             remedy = "Give a place on the structure, in the article's frame in metres"
-            raise BadInput(source=f"body {name}", field=f"places.{place}", problem=problem, remedy=remedy)
+            raise BadInput(f"body {name}", f"places.{place}", problem, remedy)
         shapes = reduced.basis[structure.translations[int(np.argmin(distance))], 6:]
         rows[place] = np.hstack([rigid_transformation(point), shapes])
     return FlexibleBody(name=name, reduced=reduced, kept=modes.frequency, places=rows)
@@ -250,7 +249,7 @@ def of_modal_data(name: str, modes: Modes) -> FlexibleBody:
     if share < -EXCESS:
         problem = f"its modes must not move more mass than the body has, found {-share:.3g} of it too much in some direction"
         remedy = "Check the units of the participation, and that it and the rigid mass have one reference point"
-        raise BadInput(source=f"body {name}", field="participation", problem=problem, remedy=remedy)
+        raise BadInput(f"body {name}", "participation", problem, remedy)
     M = M + EXCESS * modes.rigid_mass
     mu, V = eigh(modes.residual, M)
     highest = 2 * np.pi * modes.frequency.max(initial=0.0)
@@ -434,7 +433,7 @@ def _require_within(field: str, value: float, bounds: tuple[float, float], unit:
 
 def _require(good: bool, field: str, problem: str, remedy: str) -> None:
     if not good:
-        raise BadInput(source="rig", field=field, problem=problem, remedy=remedy)
+        raise BadInput("rig", field, problem, remedy)
 
 
 # A linear `Rig` as second-order matrices on the table and on what moves relative to it.

@@ -40,7 +40,7 @@ REFINED = 3
 
 
 def _cells_refused(problem: str) -> BadInput:
-    return BadInput(source="load cells of the FMD", field="cells", problem=problem, remedy="Give (4, 3) values in N/m")
+    return BadInput("load cells of the FMD", "cells", problem, "Give (4, 3) values in N/m")
 
 
 def _column(article: Article, section: Section, height: float, elements: int) -> Plan:
@@ -118,8 +118,7 @@ class Joint:
         for name in ("stiffness",) if self.mass is None else ("stiffness", "mass"):
             matrix = frozen(getattr(self, name), (size, size), name)
             if not np.allclose(matrix, matrix.T, rtol=0, atol=1e-9 * np.abs(matrix).max(initial=0)):
-                problem = "must be symmetric"
-                raise BadInput(source="joint of Clumod", field=name, problem=problem, remedy="Check the order of ports")
+                raise BadInput("joint of Clumod", name, "must be symmetric", "Check the order of ports")
             object.__setattr__(self, name, matrix)
 
 
@@ -220,7 +219,7 @@ def _rigid_pieces(blades: Sequence[str], d: Dimensions) -> list[_Rigid]:
     for lower, upper in pairwise(edges):
         if upper < lower:
             problem = f"hubs must lie on the mast and apart, found {1e3 * lower:g} mm above {1e3 * upper:g} mm"
-            raise BadInput(source="clumod.toml", field="blade.z", problem=problem, remedy="Move the blade or make its hub lower")
+            raise BadInput("clumod.toml", "blade.z", problem, "Move the blade or make its hub lower")
     return pieces
 
 
@@ -281,7 +280,7 @@ def _ports(joint: Joint, d: Dimensions, nodes: Array) -> Ports:
     if carried > RIGID_ROUNDING * np.abs(joint.stiffness).max(initial=0):
         problem = f"must let its ports move together rigidly, found a force or moment of {carried:.3g} for a unit motion"
         remedy = "Check that the ports lie where the local model has them, in Clumod's axes"
-        raise BadInput(source="joint of Clumod", field="stiffness", problem=problem, remedy=remedy)
+        raise BadInput("joint of Clumod", "stiffness", problem, remedy)
     return Ports(nodes=chosen, stiffness=joint.stiffness, mass=mass, part=joint.part)
 
 
@@ -299,7 +298,7 @@ def place(port: Port, d: Dimensions) -> Array:
 
 
 def _joints_refused(problem: str, remedy: str) -> BadInput:
-    return BadInput(source="joint of Clumod", field="port", problem=problem, remedy=remedy)
+    return BadInput("joint of Clumod", "port", problem, remedy)
 
 
 NO_CHANGES: Mapping[str, float] = MappingProxyType({})
@@ -437,7 +436,7 @@ def _structure(frame: Frame) -> Structure:
 
 
 def _refused(whole: str, field: str, problem: str, remedy: str) -> BadInput:
-    return BadInput(source=f"article {whole}", field=field, problem=problem, remedy=remedy)
+    return BadInput(f"article {whole}", field, problem, remedy)
 
 
 # Joints of Clumod's beam model from local solid models: what hub, blade roots and mast do that beams and rigid hubs do not.

@@ -45,9 +45,7 @@ def moduli(material: Material, part: str = "") -> tuple[float, float]:
 
 
 def _refused(material: Material, part: str, field: str, problem: str) -> BadInput:
-    return BadInput(
-        source=f"material {material.name}" + (f" of {part}" if part else ""), field=field, problem=problem, remedy=_REMEDY
-    )
+    return BadInput(f"material {material.name}" + (f" of {part}" if part else ""), field, problem, _REMEDY)
 
 
 # Sections of beams: stiffness and inertia per unit length, from a rectangle or a tube of a material.
@@ -117,7 +115,7 @@ def tube(outer_diameter: float, inner_diameter: float, material: Material) -> Se
     require_positive(outer_diameter=outer_diameter)
     if not 0 <= inner_diameter < outer_diameter:
         problem = f"must lie between 0 and the outer diameter {outer_diameter:g} m, found {inner_diameter:g} m"
-        raise BadInput(source="section of a tube", field="inner_diameter", problem=problem, remedy="Check both diameters")
+        raise BadInput("section of a tube", "inner_diameter", problem, "Check both diameters")
     E, G = moduli(material)
     area = np.pi / 4 * (outer_diameter**2 - inner_diameter**2)
     second = np.pi / 64 * (outer_diameter**4 - inner_diameter**4)
@@ -214,7 +212,7 @@ def require_positive(**sizes: float) -> None:
     for name, size in sizes.items():
         if not 0 < size < float("inf"):
             problem = f"must be positive and finite, found {size:g} m"
-            raise BadInput(source="section of a beam", field=name, problem=problem, remedy="Check the dimensions and their unit")
+            raise BadInput("section of a beam", name, problem, "Check the dimensions and their unit")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -372,8 +370,7 @@ def sandwich(
     require_positive(width=width, thickness=thickness, layer_thickness=layer_thickness)
     if layer_thickness >= thickness:
         problem = f"must be less than the thickness of the blade {1e3 * thickness:g} mm, found {1e3 * layer_thickness:g} mm"
-        remedy = "Make the layer thinner or the blade thicker"
-        raise BadInput(source="section of a sandwich", field="layer.thickness", problem=problem, remedy=remedy)
+        raise BadInput("section of a sandwich", "layer.thickness", problem, "Make the layer thinner or the blade thicker")
     s, t = layer_thickness, (thickness - layer_thickness) / 2
     d = t + s
     (E, G), (_, G_layer) = moduli(steel), moduli(layer)

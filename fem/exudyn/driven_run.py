@@ -610,7 +610,7 @@ def described(solver: Solver, rate: float, subdivision: int) -> dict[str, object
 
 
 def _bad(field: str, problem: str, remedy: str) -> BadInput:
-    return BadInput(source="solver", field=field, problem=problem, remedy=remedy)
+    return BadInput("solver", field, problem, remedy)
 
 
 # How long a step may be, and how well the equations of one can be solved.
@@ -648,8 +648,7 @@ def subdivision(rig: Rig, rate: float, solver: Solver) -> int:
     if steps < least or least > MOST:
         found = f"found {steps}" if steps < least else f"more than {MOST} of them"
         problem = f"{highest(rig):.4g} Hz, the rig's highest frequency, needs {least} steps a sample, {found}"
-        remedy = "Leave it out, soften the stiffest joint, or use generalised-alpha"
-        raise BadInput(source="solver", field="subdivision", problem=problem, remedy=remedy)
+        raise BadInput("solver", "subdivision", problem, "Leave it out, soften the stiffest joint, or use generalised-alpha")
     require_fine(rig.article, rate * steps)
     return steps
 

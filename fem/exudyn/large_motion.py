@@ -58,7 +58,7 @@ def able_to_turn(plan: Plan) -> Plan:
     """
     if plan.ports:
         problem = f"springs between ports are matrices that do not turn with the table, found {len(plan.ports)}"
-        raise BadInput(source="large motion", field="ports", problem=problem, remedy="Leave load cells and joints rigid")
+        raise BadInput("large motion", "ports", problem, "Leave load cells and joints rigid")
     hollow = {node for node, body in _carried(plan).items() if not judge(body).physical}
     if not hollow:
         return plan
@@ -81,8 +81,7 @@ def able_to_turn(plan: Plan) -> Plan:
     for node, body in _carried(filled).items():
         if not judge(body).physical:
             problem = f"more material is taken away at node {node} than there is, {judge(body).text}"
-            remedy = "Take it as one rigid body, without elements"
-            raise BadInput(source="large motion", field="bodies", problem=problem, remedy=remedy)
+            raise BadInput("large motion", "bodies", problem, "Take it as one rigid body, without elements")
     return filled
 
 
@@ -151,11 +150,11 @@ class Conditions:
 
 
 def _bad(name: str, problem: str, remedy: str) -> BadInput:
-    return BadInput(source="large motion", field=name, problem=problem, remedy=remedy)
+    return BadInput("large motion", name, problem, remedy)
 
 
 def _refused(motion: BaseMotion, name: str, problem: str, remedy: str) -> BadInput:
-    return BadInput(source=motion.label, field=name, problem=problem, remedy=remedy)
+    return BadInput(motion.label, name, problem, remedy)
 
 
 # Gravity on every body and beam of an exudyn model, and the state in which it comes to rest.
@@ -317,7 +316,7 @@ def respond_of_plan(
         raise _refused(motion, "displacement", problem, "Lower the level, or turn about x or z")
     if solver.method != SOLVER.method:
         problem = f"beams that swing at a megahertz and joints that turn far need {SOLVER.method}, found {solver.method}"
-        raise BadInput(source="solver", field="method", problem=problem, remedy=f"Take {SOLVER.method} and halve the step")
+        raise BadInput("solver", "method", problem, f"Take {SOLVER.method} and halve the step")
     steps = solver.subdivision or 1
     with running(TASK) as exudyn:
         scene, driving, accelerations, loads, sensors = _assembled(

@@ -288,7 +288,7 @@ def modes_of_plan(plan: Plan, count: int = 30) -> Modes:
     CheckFailed : exudyn failed.
     """
     if count < 1:
-        raise BadInput(source="modes", field="count", problem=f"at least one mode is needed, found {count}", remedy="Ask for 30")
+        raise BadInput("modes", "count", f"at least one mode is needed, found {count}", "Ask for 30")
     finer = refined(plan, 2)
     coarse, fine = (linearise(mesh, count + EXTRA) for mesh in (plan, finer))
     found = min(count, coarse.frequency.size)

@@ -170,7 +170,7 @@ def turned(axis: str, along: str) -> Array:
 
 def refused(name: str, problem: str, remedy: str) -> BadInput:
     """The complaint about the field `name`, ready to be raised."""
-    return BadInput(source=SOURCE, field=name, problem=problem, remedy=remedy)
+    return BadInput(SOURCE, name, problem, remedy)
 
 
 def require_positive(name: str, value: float, unit: str) -> None:

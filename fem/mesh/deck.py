@@ -69,10 +69,10 @@ def read(path: Path) -> Deck:
         problem = f"{card} names {'node' if isinstance(error.what, int) else 'the set'} {error.what}, which is not there"
         field = f"line {line.number}" if line.number else ""
         remedy = "Correct it, or take it out: solvers stop there, or pass it over"
-        raise BadInput(source=str(line.file), field=field, problem=problem, remedy=remedy) from None
+        raise BadInput(str(line.file), field, problem, remedy) from None
     except (ValueError, IndexError, KeyError, ArithmeticError) as error:
         problem = f"a record of it cannot be read: {type(error).__name__}, {error}"
-        raise BadInput(source=str(path), problem=problem, remedy="Check the deck; it may be cut short or damaged") from None
+        raise BadInput(str(path), "", problem, "Check the deck; it may be cut short or damaged") from None
     return deck
 
 
@@ -80,7 +80,7 @@ def _system(deck: Deck, source: str, named: str | None) -> UnitSystem:
     if not deck.masses and not any(one.density for one in deck.materials.values()):
         what = "no material states a density" if deck.materials else "it has no material that is known here"
         itself = f'describe it: [fe_model] with kind = "mesh", file = "{Path(source).name}" and materials of its groups'
-        raise BadInput(source=source, problem=what, remedy=f"Masses are asked for: write a deck with densities, or {itself}")
+        raise BadInput(source, "", what, f"Masses are asked for: write a deck with densities, or {itself}")
     known = [unit_system(name, source) for name in KNOWN] if named is None else [unit_system(named, source, "--units")]
     fitting = [one for one in known if _believed(deck, one)]
     g = {one.name: STANDARD_GRAVITY * one.time**2 / one.length for one in known}
@@ -88,13 +88,13 @@ def _system(deck: Deck, source: str, named: str | None) -> UnitSystem:
     if len(weights) == 1:
         own, remedy = g[weights[0]], "Divide them by {0:.6g}, or write PARAM,WTMASS,{1:.6g} in bulk data"
         problem = f"its densities are weights, not masses, in {weights[0]}"
-        raise BadInput(source=source, problem=problem, remedy=remedy.format(own, deck.weight / own))
+        raise BadInput(source, "", problem, remedy.format(own, deck.weight / own))
     if named is not None or len(fitting) == 1:
         return (fitting or known)[0]
     which = " and ".join(one.name for one in fitting) or f"none of {', '.join(KNOWN)}"
     weighed = f"; in {' and '.join(weights)} its densities would be weights" if weights else ""
     problem = f"its units cannot be told: {which} make known materials of what it states{weighed}"
-    raise BadInput(source=source, problem=problem, remedy="Name them, as in --units mm-t-N-s")
+    raise BadInput(source, "", problem, "Name them, as in --units mm-t-N-s")
 
 
 def _believed(deck: Deck, system: UnitSystem, share: float = 1.0) -> bool:

@@ -130,12 +130,12 @@ def _included(name: str, line: Line, within: tuple[Path, ...]) -> tuple[Path, tu
     beside = dict.fromkeys(file.parent / part for part in (name, Path(name).name) for file in (line.file, *within))
     file = next((one for one in beside if one.is_file()), None)
     if file is None:
-        raise BadInput(source=str(line.file), field=field, problem=f"it includes {name!r}, which is not there", remedy=remedy)
+        raise BadInput(str(line.file), field, f"it includes {name!r}, which is not there", remedy)
     if file.resolve() in [one.resolve() for one in within]:
-        raise BadInput(source=str(line.file), field=field, problem=f"it includes {name!r}, and so itself", remedy=remedy)
+        raise BadInput(str(line.file), field, f"it includes {name!r}, and so itself", remedy)
     if file.stat().st_size > LARGEST_FILE:
         problem = f"it includes {name!r}, which has {file.stat().st_size / 2**30:.3g} GiB"
-        raise BadInput(source=str(line.file), field=field, problem=problem, remedy="Write a coarser mesh")
+        raise BadInput(str(line.file), field, problem, "Write a coarser mesh")
     return file, within
 
 
@@ -277,7 +277,7 @@ def _meant(word: str, places: Mapping[str, _Place], otherwise: Callable[[str], s
 
 def _refused(line: Line, problem: str) -> BadInput:
     remedy = "Write a flat deck: in Abaqus/CAE, Model > Edit Attributes > Do not use parts and assemblies in input files"
-    return BadInput(source=str(line.file), field=f"line {line.number}", problem=problem, remedy=remedy)
+    return BadInput(str(line.file), f"line {line.number}", problem, remedy)
 
 
 def _places(assembly: Iterable[_Block], parts: Mapping[str, list[_Block]]) -> dict[str, _Place]:
@@ -493,7 +493,7 @@ class Coordinates:
         numbers = (f[1], *f[5:8])
         if any(text not in ("", "-1") and not text.isdigit() for text in numbers):  # -1: a point of a fluid
             problem = f"node {node} has {', '.join(numbers)!r} where its systems and freedoms are numbers"
-            raise BadInput(source=self.source, field="GRID", problem=problem, remedy="Write it again; it may be damaged")
+            raise BadInput(self.source, "GRID", problem, "Write it again; it may be damaged")
         return f
 
     def place(self, node: int, within: tuple[str, ...] = ()) -> Array:
@@ -546,4 +546,4 @@ class Coordinates:
         return self.found[number]
 
     def _refused(self, number: str, problem: str, remedy: str) -> BadInput:
-        return BadInput(source=self.source, field="CORD", problem=f"the coordinate system {number} {problem}", remedy=remedy)
+        return BadInput(self.source, "CORD", f"the coordinate system {number} {problem}", remedy)

@@ -256,7 +256,7 @@ class MeshDescription:
 
     def refused(self, field: str, problem: str, remedy: str) -> BadInput:
         """The refusal of a key below ``fe_model``."""
-        return BadInput(source=self.source, field=f"{text.TABLE}.{field}", problem=problem, remedy=remedy)
+        return BadInput(self.source, f"{text.TABLE}.{field}", problem, remedy)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -270,7 +270,7 @@ class _Table:
     def wrong(self, key: str, wanted: str, remedy: str) -> BadInput:
         found = self.table.get(key)
         problem = f"must be {wanted}, found {found!r}" if key in self.table else "is missing"
-        return BadInput(source=self.source, field=f"{self.where}.{key}", problem=problem, remedy=remedy)
+        return BadInput(self.source, f"{self.where}.{key}", problem, remedy)
 
     def known(self, keys: tuple[str, ...]) -> "_Table":
         toml_file.require_known(self.table, keys, source=self.source, where=self.where)
@@ -449,7 +449,7 @@ class _Table:
         problem = (
             f"must have width and height, outer_diameter and inner_diameter, area, Iy, Iz and J, or area alone, found {found}"
         )
-        raise BadInput(source=self.source, field=self.where, problem=problem, remedy="Complete one of the four")
+        raise BadInput(self.source, self.where, problem, "Complete one of the four")
 
     def box(self) -> Array:
         value = self.table.get("box")
@@ -533,10 +533,10 @@ class _Table:
             plain = all(isinstance(row, list) and len(row) in (2, 3) and _is_term(*row) for row in rows)
             if not plain or not rows or len({len(row) for row in rows}) > 1:
                 raise BadInput(
-                    source=self.source,
-                    field=f"{self.where}.sums",
-                    problem=f"must be sums of [coefficient, node, one of {', '.join(MOTIONS)}], found {str(one)[:80]}",
-                    remedy='Write [[[1, 101, "x"], [-0.5, 7, "x"], [-0.5, 8, "x"]]]; the first term follows the others',
+                    self.source,
+                    f"{self.where}.sums",
+                    f"must be sums of [coefficient, node, one of {', '.join(MOTIONS)}], found {str(one)[:80]}",
+                    'Write [[[1, 101, "x"], [-0.5, 7, "x"], [-0.5, 8, "x"]]]; the first term follows the others',
                 )
             for way in range(3) if len(rows[0]) == 2 else [None]:
                 yield tuple((float(row[0]), row[1], MOTIONS.index(row[2]) if way is None else way) for row in rows)
@@ -603,12 +603,12 @@ def read(path: Path) -> MeshDescription:
         raise table.wrong("interface", "a list of groups or node numbers", 'Write it like ["foot"]')
     twice = next((each for k, each in enumerate(interface) if each in interface[:k]), None)
     if twice is not None:
-        raise BadInput(source=source, field=f"{text.TABLE}.interface", problem=f"names {twice!r} twice", remedy="Name it once")
+        raise BadInput(source, f"{text.TABLE}.interface", f"names {twice!r} twice", "Name it once")
     for name, one in springs.items():
         alike = (other for other, two in springs.items() if two.at == one.at and two.as_stiff_as(one))
         if (first := next(alike)) != name:
             problem = f"is {first} once more: the same stiffness at the same place"
-            raise BadInput(source=source, field=f"{text.TABLE}.springs.{name}", problem=problem, remedy="Leave one of them out")
+            raise BadInput(source, f"{text.TABLE}.springs.{name}", problem, "Leave one of them out")
     if support == "base" and not interface and kind == "mesh":
         raise table.wrong("interface", "the groups that the base carries", 'Write interface = ["foot"], or support = "free"')
     holds = {

@@ -110,27 +110,26 @@ def read(path: Path, left_out: LeftOut = lambda card: False) -> MeshFile:
     source, reader = str(path), READERS.get(path.suffix.lower())
     if reader is None:
         problem = f"its ending {path.suffix!r} is none of {', '.join(ENDINGS)}"
-        raise BadInput(source=source, problem=problem, remedy="Convert it, or correct its ending")
+        raise BadInput(source, "", problem, "Convert it, or correct its ending")
     if not path.is_file():
-        raise BadInput(source=source, problem="there is no such file", remedy="Check the path")
+        raise BadInput(source, "", "there is no such file", "Check the path")
     if path.stat().st_size > LARGEST_FILE:
         problem = f"it has {path.stat().st_size / 2**30:.3g} GiB, more than {LARGEST_FILE / 2**30:.3g}"
-        raise BadInput(source=source, problem=problem, remedy="Write a coarser mesh")
+        raise BadInput(source, "", problem, "Write a coarser mesh")
     try:
         found = reader(path, left_out) if path.suffix.lower() in DECKS else reader(path)
         mesh = found.numbered(source) if isinstance(found, _Raw) else found
     except BadInput:
         raise
     except (ValueError, IndexError, KeyError, OverflowError) as error:  # a field that is no number, a record that is cut off
-        problem = f"a record of it cannot be read: {type(error).__name__}, {error}"
-        raise BadInput(source=source, problem=problem, remedy=_AGAIN) from None
+        raise BadInput(source, "", f"a record of it cannot be read: {type(error).__name__}, {error}", _AGAIN) from None
     if not mesh.cells or not len(mesh.points):
-        raise BadInput(source=source, problem="it holds no elements that are known here", remedy=_AGAIN)
+        raise BadInput(source, "", "it holds no elements that are known here", _AGAIN)
     used = np.unique(np.concatenate([cells.nodes.ravel() for cells in mesh.cells.values()]))
     wrong = used[~(np.abs(mesh.points[used]) < 1e30).all(axis=1)]  # NaN is not below either
     if len(wrong):
         problem = f"{len(wrong)} node(s) are nowhere (not finite), the first is {mesh.node_tags[wrong[0]]}"
-        raise BadInput(source=source, field="nodes", problem=problem, remedy=_AGAIN)
+        raise BadInput(source, "nodes", problem, _AGAIN)
     return mesh
 
 
@@ -162,13 +161,13 @@ class _Raw:
             short = [tag for tag, nodes in elements.items() if len(nodes) != wanted]
             if short:
                 problem = f"element {short[0]} has {len(elements[short[0]])} nodes where a {kind} has {wanted}"
-                raise BadInput(source=source, field="elements", problem=problem, remedy=_AGAIN)
+                raise BadInput(source, "elements", problem, _AGAIN)
             nodes = np.array(list(elements.values()), dtype=np.int64).reshape(-1, wanted)
             at = np.minimum(np.searchsorted(tags, nodes), max(len(tags) - 1, 0))
             lost = np.flatnonzero((tags[at] != nodes).any(axis=1)) if len(tags) else np.arange(len(nodes))
             if len(lost):
                 problem = f"{len(lost)} element(s) have nodes that the file does not hold, the first is {list(elements)[lost[0]]}"
-                raise BadInput(source=source, field="elements", problem=problem, remedy=_AGAIN)
+                raise BadInput(source, "elements", problem, _AGAIN)
             cells[kind] = Cells(
                 kind=kind,
                 tags=np.array(list(elements), dtype=np.int64),
@@ -179,8 +178,7 @@ class _Raw:
             )
             for index, tag in enumerate(elements):
                 if tag in where:
-                    problem = f"two elements have the number {tag}"
-                    raise BadInput(source=source, field="elements", problem=problem, remedy="Give each a number of its own")
+                    raise BadInput(source, "elements", f"two elements have the number {tag}", "Give each a number of its own")
                 where[tag] = (kind, index)
         groups: dict[str, dict[str, Integers]] = {}
         for name, members in self.groups.items():
@@ -278,22 +276,22 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
             pending = []
             if keyword in _ABAQUS_MAKES:
                 problem = f"it has *{text[1:]}, which is not followed"
-                raise BadInput(source=str(path), problem=problem, remedy="Write a flat file with all nodes and elements in it")
+                raise BadInput(str(path), "", problem, "Write a flat file with all nodes and elements in it")
             if keyword in ("NSET", "ELSET"):  # which may stay empty
                 members = (node_groups if keyword == "NSET" else groups).setdefault(options.get(keyword, ""), [])
             word, system = options.get("TYPE", "").upper(), options.get("SYSTEM", "R").upper()
             keyword = LOOSE.get(word, keyword) if keyword == "ELEMENT" else keyword  # whether or not it says how heavy
             if keyword == "SYSTEM" or (keyword == "NODE" and system != "R"):
                 problem = f"it has *{text[1:]}, and nodes in a system of their own are not read"
-                raise BadInput(source=str(path), field=f"*{keyword}", problem=problem, remedy="Write nodes in global axes")
+                raise BadInput(str(path), f"*{keyword}", problem, "Write nodes in global axes")
             if keyword in _ABAQUS_CARRIES and not left_out(keyword):
                 problem = f"it has *{text[1:]}, which is not read, and what it weighs, holds or joins would be lost"
-                raise BadInput(source=str(path), field=f"*{keyword}", problem=problem, remedy=_STATE.format(keyword))
+                raise BadInput(str(path), f"*{keyword}", problem, _STATE.format(keyword))
             if keyword == "ELEMENT":
                 if word not in _ABAQUS_KINDS:
                     known = ", ".join(sorted(words[0] for words in _ABAQUS.values()))
                     problem = f"elements of type {word!r} are not known"
-                    raise BadInput(source=str(path), field="*ELEMENT", problem=problem, remedy=f"Known are {known} and their kin")
+                    raise BadInput(str(path), "*ELEMENT", problem, f"Known are {known} and their kin")
                 kind = _ABAQUS_KINDS[word]
             continue
         fields = [field.strip() for field in text.split(",")]
@@ -332,7 +330,7 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
 
 def _once(table: dict[int, Any], tag: int, value: Any, source: str) -> None:
     if tag in table:
-        raise BadInput(source=source, problem=f"the number {tag} is given twice", remedy="Give each node and element its own")
+        raise BadInput(source, "", f"the number {tag} is given twice", "Give each node and element its own")
     table[tag] = value
 
 
@@ -381,15 +379,14 @@ def _nastran(path: Path, left_out: LeftOut) -> _Raw:
             own = [int(field) for field in fields[begin : begin + most] if field]
             kind = next((kind for kind in kinds if _count(kind) == len(own)), "")
             if not kind:
-                problem = f"the {card} {tag} has {len(own)} nodes"
-                raise BadInput(source=str(path), field=card, problem=problem, remedy=f"It is read as {' or '.join(kinds)}")
+                raise BadInput(str(path), card, f"the {card} {tag} has {len(own)} nodes", f"It is read as {' or '.join(kinds)}")
             _once(elements.setdefault(kind, {}), tag, [own[n] for n in _MIDDLES_LAST.get(kind, range(len(own)))], str(path))
             groups.setdefault(group, []).append(tag)
             if card in ("CBAR", "CBEAM") or (kind in SHELLS and any(fields[begin + most :])):
                 stating.append((card, kind, fields))
         elif _CARRIES.fullmatch(card) and not left_out(card):
             problem = f"{card} {fields[0]} is not read, and what it weighs, holds or joins would be lost"
-            raise BadInput(source=str(path), field=card, problem=problem, remedy=_STATE.format(card))
+            raise BadInput(str(path), card, problem, _STATE.format(card))
     # What a program without properties writes has one number for a volume, its skin and its edges
     dimension = {tag: DIMENSION[kind] for kind, own in elements.items() for tag in own}
     apart: dict[str, list[int]] = {}
@@ -415,7 +412,7 @@ def _nastran(path: Path, left_out: LeftOut) -> _Raw:
             if pins := "".join(f[8:10]).strip("0"):
                 if not re.fullmatch("[1-6]+", pins):
                     problem = f"PA and PB of {card} {tag} are {f[8] or 'empty'} and {f[9] or 'empty'}"
-                    raise BadInput(source=str(path), field=card, problem=problem, remedy="Write freedoms from 1 to 6, as 456")
+                    raise BadInput(str(path), card, problem, "Write freedoms from 1 to 6, as 456")
                 loose[tag] = np.array([LOOSE_AS[k] in f[8 + end] for end in (0, 1) for k in range(6)])
         else:
             first = 14 if kind == "quad8" else 2 + len(own)
@@ -449,8 +446,7 @@ def _beam_states(
     ways = [np.eye(3) if (axes := where.freedoms(node)) is None else axes for node in own]
     offt = (f[7].upper() if f[7].isalpha() else "") or "GGG"
     if not re.fullmatch("[GB][GO][GO]", offt):
-        problem = f"OFFT of beam {f[0]} is {offt}"
-        raise BadInput(source=where.source, field="OFFT", problem=problem, remedy="Write GGG, or another of G, B and O")
+        raise BadInput(where.source, "OFFT", f"OFFT of beam {f[0]} is {offt}", "Write GGG, or another of G, B and O")
     if f[4].isdigit() and not f[5]:
         to = nodes.get(int(f[4]), at[0]) - at[0]
     else:
@@ -490,8 +486,7 @@ def cards(path: Path) -> Iterator[list[str]]:
         times = card[0].strip("=()")
         pattern = card if not times else pattern
         if not last or not pattern or not (times.isdigit() or not times) or int(times or 1) > MOST_REPEATED:
-            problem = f"{','.join(card)!r} repeats no card"
-            raise BadInput(source=str(path), field="=", problem=problem, remedy="Write every card")
+            raise BadInput(str(path), "=", f"{','.join(card)!r} repeats no card", "Write every card")
         for _ in range(int(times or 1)):
             last = _repeated(last, pattern)
             yield last
@@ -518,7 +513,7 @@ def _cards(path: Path) -> Iterator[list[str]]:
     """`cards` as they are written."""
 
     def refused(problem: str) -> BadInput:
-        return BadInput(source=str(line.file), problem=problem, remedy="Write it again; it may be cut short or damaged")
+        return BadInput(str(line.file), "", problem, "Write it again; it may be cut short or damaged")
 
     card: list[str] = []
     lines = tuple(deck_lines(path))
@@ -531,7 +526,7 @@ def _cards(path: Path) -> Iterator[list[str]]:
         if begin := BEGIN.match(text):
             if begun or begin[1].upper() == "SUPER" or re.search(r"SUPER|AUXM", begin[2], re.IGNORECASE):
                 problem = f"line {line.number} begins a further model ({text.strip()}), and superelements are not read"
-                raise BadInput(source=str(line.file), problem=problem, remedy="Write one model with all grid points and elements")
+                raise BadInput(str(line.file), "", problem, "Write one model with all grid points and elements")
             begun = True
             continue
         if not text or not begun:
@@ -616,7 +611,7 @@ def _universal(path: Path) -> _Raw:
                 node, system, *_ = head.split()
                 if system in askew:
                     problem = f"node {node} is in the system {system}, which dataset 2420 turns, moves or makes round"
-                    raise BadInput(source=str(path), field="2411", problem=problem, remedy="Write nodes in global axes")
+                    raise BadInput(str(path), "2411", problem, "Write nodes in global axes")
                 x, y, z = map(real, place.split())
                 _once(nodes, int(node), (x, y, z), str(path))
         elif number == 2412:
@@ -630,8 +625,7 @@ def _universal(path: Path) -> _Raw:
                     own += [int(word) for word in line.split()]
                 if code not in _UNIVERSAL_KINDS:
                     problem = f"elements of type {code} are not known"
-                    remedy = f"Known are {', '.join(map(str, sorted(_UNIVERSAL_KINDS)))}"
-                    raise BadInput(source=str(path), field="2412", problem=problem, remedy=remedy)
+                    raise BadInput(str(path), "2412", problem, f"Known are {', '.join(map(str, sorted(_UNIVERSAL_KINDS)))}")
                 kind = _UNIVERSAL_KINDS[code]
                 _once(elements.setdefault(kind, {}), tag, [own[n] for n in _ROUND.get(kind, range(count))], str(path))
         elif number in (2435, 2452, 2467, 2477):
@@ -656,8 +650,7 @@ def _datasets(path: Path) -> Iterator[tuple[int, list[str]]]:
         elif inside is not None:
             inside.append(line)
     if inside:
-        problem = f"the dataset {inside[0].strip()} does not end"
-        raise BadInput(source=str(path), problem=problem, remedy=_AGAIN)
+        raise BadInput(str(path), "", f"the dataset {inside[0].strip()} does not end", _AGAIN)
 
 
 # MSH and MED through gmsh: ``python -m fem.mesh.files FILE ANSWER``.
@@ -682,7 +675,7 @@ def _through_gmsh(path: Path) -> MeshFile:
         beginning = file.read(16)
     if not beginning.startswith(_BEGINNINGS[ending]):
         problem = f"it does not begin as a {ending} file does, but with {beginning[:12]!r}"
-        raise BadInput(source=source, problem=problem, remedy="Save it as MSH 4.1 or 2.2, or as MED 4")
+        raise BadInput(source, "", problem, "Save it as MSH 4.1 or 2.2, or as MED 4")
     with tempfile.TemporaryDirectory() as folder:
         answer = Path(folder, "mesh.npz")
         command = [sys.executable, "-P", "-m", "fem.mesh.files", str(path.resolve()), str(answer)]
@@ -692,11 +685,10 @@ def _through_gmsh(path: Path) -> MeshFile:
                 command, cwd=folder, env=environment, capture_output=True, text=True, timeout=TIME_LIMIT, check=False
             )
         except subprocess.TimeoutExpired:
-            problem = f"gmsh has not finished with it after {TIME_LIMIT / 60:g} minutes"
-            raise BadInput(source=source, problem=problem, remedy=_AGAIN) from None
+            raise BadInput(source, "", f"gmsh has not finished with it after {TIME_LIMIT / 60:g} minutes", _AGAIN) from None
         if not answer.is_file():
             *_, words = (f"its process ended with {run.returncode}", *filter(str.strip, run.stderr.splitlines()))
-            raise BadInput(source=source, problem=f"gmsh cannot read it ({words.strip()[:200]})", remedy=_AGAIN)
+            raise BadInput(source, "", f"gmsh cannot read it ({words.strip()[:200]})", _AGAIN)
         with np.load(answer, allow_pickle=False) as arrays:
             return _unpacked(dict(arrays), source)
 
@@ -731,7 +723,7 @@ def _unpacked(arrays: Mapping[str, np.ndarray], source: str) -> MeshFile:
         if kind is None:
             problem = f"{len(arrays[f'elements/{key}'])} elements of gmsh's type {code} are not known"
             remedy = "Write lines, triangles, quadrilaterals, tetrahedra, hexahedra or wedges of first or second order"
-            raise BadInput(source=source, field="elements", problem=problem, remedy=remedy)
+            raise BadInput(source, "elements", problem, remedy)
         nodes = arrays[f"nodes/{key}"]
         nodes = nodes[:, _FROM_GMSH.get(kind, range(nodes.shape[1]))]
         found.setdefault(kind, []).append((arrays[f"elements/{key}"], nodes, names))
@@ -745,8 +737,7 @@ def _unpacked(arrays: Mapping[str, np.ndarray], source: str) -> MeshFile:
         nodes = np.vstack([block[1] for block in blocks])
         at = np.minimum(np.searchsorted(tags, nodes), max(len(tags) - 1, 0))
         if not len(tags) or np.any(tags[at] != nodes):
-            problem = "elements have nodes that the file does not hold"
-            raise BadInput(source=source, field="elements", problem=problem, remedy=_AGAIN)
+            raise BadInput(source, "elements", "elements have nodes that the file does not hold", _AGAIN)
         cells[kind] = Cells(kind=kind, tags=np.concatenate([block[0] for block in blocks]), nodes=at.astype(np.intp))
     named = {name: {kind: np.unique(np.concatenate(own)) for kind, own in by.items()} for name, by in groups.items()}
     return MeshFile(source=source, node_tags=tags, points=points, cells=cells, groups=named)

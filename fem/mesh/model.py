@@ -338,7 +338,7 @@ def _require_sound(found: described.MeshDescription, points: Array, blocks: Sequ
                 said.append(f"{np.sum(bad)} {block.kind} elements of {block.part} are {words}: {files.joined(block.tags[bad])}")
     if said:
         remedy = "Mesh it again with smaller elements, or correct the order of their nodes"
-        raise BadInput(source=str(found.file), field="elements", problem="; ".join(said), remedy=remedy)
+        raise BadInput(str(found.file), "elements", "; ".join(said), remedy)
 
 
 # Degrees of freedom: three at a node of solids and rods, six of shells and beams; links let some ride on others.
@@ -762,11 +762,10 @@ class _Made:
             remedy = (
                 "Check the unit (lengths twice as large weigh eight times as much), densities, thicknesses, and what is left out"
             )
-            raise BadInput(source=found.source, field="stated.mass", problem=problem, remedy=remedy)
+            raise BadInput(found.source, "stated.mass", problem, remedy)
         cog = found.reference_point + np.array([M[1, 5], M[2, 3], M[0, 4]]) / M[0, 0]
         size = float(np.ptp(made.points, axis=0).max())
         if stated.cog is not None and np.linalg.norm(cog - stated.cog) > text.COG * size:
             there, wanted = (", ".join(f"{1e3 * value:.5g}" for value in point) for point in (cog, stated.cog))
             problem = f"the mesh has its CoG at ({there}) mm where ({wanted}) mm is stated"
-            remedy = "Check the frame, the units and the densities"
-            raise BadInput(source=found.source, field="stated.cog", problem=problem, remedy=remedy)
+            raise BadInput(found.source, "stated.cog", problem, "Check the frame, the units and the densities")

@@ -257,7 +257,7 @@ class Elements:
                 f"lies {1e3 * foot.distance:.4g} mm outside {'the mesh' if part is None else f'part {part}'}; "
                 f"the nearest point is ({near}) mm in element {foot.tag} of {foot.part}"
             )
-            raise BadInput(source=self.source, field=name, problem=problem, remedy="Correct the coordinates, or their unit")
+            raise BadInput(self.source, name, problem, "Correct the coordinates, or their unit")
         return foot
 
     def motion(self, point: Array, name: str, part: str | None = None) -> Sparse:
@@ -317,7 +317,7 @@ class Elements:
         A = W[:, None] * np.vstack(blocks) / scale
         if np.linalg.svd(A, compute_uv=False)[-1] < 1e-6:
             problem = f"{len(nodes)} node(s) that lie in a line or a point and do not turn cannot say how they turn"
-            raise BadInput(source=self.source, field="groups", problem=problem, remedy="Name more nodes, or a place in a face")
+            raise BadInput(self.source, "groups", problem, "Name more nodes, or a place in a face")
         return self._sparse(np.linalg.pinv(A) * W / scale[:, None], np.concatenate(dofs))
 
     def _sparse(self, rows: Array, dofs: Integers) -> Sparse:
@@ -713,7 +713,7 @@ def _beams(elements: Elements, block: Block, part: PartTable) -> tuple[Array, Ar
         except ValueError:
             problem = f"the z axis of its section lies along element {block.tags[k]}, or the deck states none"
             where = f"parts.{block.part}.section"
-            raise BadInput(source=elements.source, field=where, problem=problem, remedy="State another z_axis") from None
+            raise BadInput(elements.source, where, problem, "State another z_axis") from None
         if (length := round(length, 12)) not in made:
             plain, more, less = (timoshenko(section, length, block.part) for section in sections)
             slope = (more.stiffness[block.part] - less.stiffness[block.part]) / (2 * STEP)

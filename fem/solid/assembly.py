@@ -309,7 +309,7 @@ def base(mesh: SolidMesh) -> Integers:
             f"node(s) only, the lowest at {_place(lowest)}, and cannot be held there"
         )
         remedy = "Turn it so that its mounting face is a plane and points down, or add the foot it stands on"
-        raise BadInput(source="mesh", field="base", problem=problem, remedy=remedy)
+        raise BadInput("mesh", "base", problem, remedy)
     return np.flatnonzero(on)
 
 
@@ -348,8 +348,7 @@ def require_connected(mesh: SolidMesh) -> None:
         f"{len(loose)} {'body is' if len(loose) == 1 else 'bodies are'} not joined to the base by any face: "
         f"{'; '.join(said)}{more}"
     )
-    remedy = "Let the faces coincide in the CAD, or add what joins the bodies"
-    raise BadInput(source="mesh", field="parts", problem=problem, remedy=remedy)
+    raise BadInput("mesh", "parts", problem, "Let the faces coincide in the CAD, or add what joins the bodies")
 
 
 def require_upright(mesh: SolidMesh) -> None:

@@ -284,7 +284,7 @@ def hexahedra(parts: Sequence[Part], *, sizes: Sequence[float], around: int = 24
     for number, u in enumerate(uprights):
         if number not in there:
             problem = f"reaches from {1e3 * u.bottom:g} to {1e3 * u.top:g} mm, through a height at which the mesh is cut"
-            raise BadInput(source=f"part {u.name}", problem=problem, remedy="Cut where one part stands on another")
+            raise BadInput(f"part {u.name}", "", problem, "Cut where one part stands on another")
     # One mesh, nodes of equal place made one, nodes of no cell left out
     offsets = np.cumsum([0, *(len(points) for points, _, _ in pieces)])
     points = np.concatenate([points for points, _, _ in pieces])
@@ -331,7 +331,7 @@ def upright(part: Part) -> Upright:
         pose, primitive = part.pose @ placed.pose, placed.primitive
         if abs(pose.rotation[2, 2] - 1) > SAME:
             problem = "hexahedra need upright boxes and cylinders, found a tilted one"
-            raise BadInput(source=f"part {part.name}", problem=problem, remedy="Mesh the article with tetrahedra")
+            raise BadInput(f"part {part.name}", "", problem, "Mesh the article with tetrahedra")
         if isinstance(primitive, Cylinder):
             outline = Outline(centre=pose.position[:2], size=np.full(2, primitive.diameter), round=True)
             height = primitive.height

@@ -78,7 +78,7 @@ def _hexahedra(article: AnyArticle, sizing: Sizing) -> SolidMesh | None:
         unknowns = 3 * len(made.points)
         if unknowns > sizing.largest:
             problem = f"hexahedra of {1e3 * size:.3g} mm make {unknowns} degrees of freedom, {sizing.largest} are allowed"
-            raise BadInput(source=f"article {article.name}", problem=problem, remedy="Use larger elements, or allow more")
+            raise BadInput(f"article {article.name}", "", problem, "Use larger elements, or allow more")
         return made
     raise CheckFailed(f"no valid mesh of hexahedra after {len(FINER)} attempts: {failures[-1]}", failures=tuple(failures))
 

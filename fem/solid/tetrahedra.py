@@ -67,10 +67,10 @@ def bodies(article: AnyArticle) -> tuple[SolidBody, ...]:
         for part in article.parts:
             if part.solid is None:
                 problem = f"part {part.name} is a surface mesh, and the solid model needs the solid itself"
-                raise BadInput(source=part.source, problem=problem, remedy="Export it from the CAD as STEP")
+                raise BadInput(part.source, "", problem, "Export it from the CAD as STEP")
             found.append(imported(part.name, part.material, part.solid))
     if not found:
-        raise BadInput(source=f"article {article.name}", problem="no part of it counts", remedy="Name an article with mass")
+        raise BadInput(f"article {article.name}", "", "no part of it counts", "Name an article with mass")
     for body in found:
         lame(body.material, body.name)
     return tuple(found)
@@ -208,7 +208,7 @@ class Sizing:
 
 def _require(field: str, holds: bool, found: object, condition: str) -> None:
     if not holds:
-        raise BadInput(source="mesh", field=field, problem=f"{condition}, found {found!r}", remedy="Correct it, or leave it out")
+        raise BadInput("mesh", field, f"{condition}, found {found!r}", "Correct it, or leave it out")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -367,7 +367,7 @@ def mesh_bodies(folder: Path, names: Sequence[str], sizes: Sizing) -> SolidMesh:
             solids = [entity for entity in gmsh.model.occ.importShapes(str(folder / f"{index}.brep")) if entity[0] == 3]
             if not solids:
                 problem, remedy = "gmsh finds no solid in it", "Make it a closed solid in the CAD"
-                raise BadInput(source=f"part {name}", problem=problem, remedy=remedy)
+                raise BadInput(f"part {name}", "", problem, remedy)
             entities += [(entity, index) for entity in solids]
         # All volumes cut at each other's faces; the body that each piece belongs to by tag
         if len(entities) > 1:
@@ -383,7 +383,7 @@ def mesh_bodies(folder: Path, names: Sequence[str], sizes: Sizing) -> SolidMesh:
                     shared = gmsh.model.occ.getMass(3, tag)
                     problem = f"they share {shared:.4g} mm³ of volume, which has no material of its own"
                     remedy = "Cut one by the other in the CAD, or correct its position"
-                    raise BadInput(source=f"parts {names[owner[tag]]} and {names[index]}", problem=problem, remedy=remedy)
+                    raise BadInput(f"parts {names[owner[tag]]} and {names[index]}", "", problem, remedy)
                 owner[tag] = index
         volumes = []
         for tag in sorted(owner):
@@ -473,8 +473,7 @@ def _refuse_above(sizes: Sizing, found: int, words: str) -> None:
             f"the mesh would have {words}{found:,} degrees of freedom, {sizes.largest:,} are allowed "
             f"(size given: {given}, fineness {sizes.fineness:g})"
         )
-        remedy = "Give a larger element size or a smaller fineness, or allow more"
-        raise BadInput(source="mesh", field="size", problem=problem, remedy=remedy)
+        raise BadInput("mesh", "size", problem, "Give a larger element size or a smaller fineness, or allow more")
 
 
 # --- second order ---------------------------------------------------------------------------------------------------------

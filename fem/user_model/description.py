@@ -115,7 +115,7 @@ def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
     named = parts.named(model, units, source, TABLE)
     if named.support == "base" and "reference_point" not in model:  # else the origin will do
         problem, remedy = "is missing: a base moves about a point", 'Add it, or state support = "ground" or "free"'
-        raise BadInput(source=source, field=f"{TABLE}.reference_point", problem=problem, remedy=remedy)
+        raise BadInput(source, f"{TABLE}.reference_point", problem, remedy)
     _require_support(model, named, kind, units, source)
     value = model.get("interface", [])
     where = f"{TABLE}.interface"
@@ -123,8 +123,7 @@ def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
         raise toml_file.wrong(value, "a list of node numbers", source, where, "Write it like [1, 2, 3]")
     twice = next((node for node in value if value.count(node) > 1), None)
     if twice is not None:
-        problem = f"names node {twice} {value.count(twice)} times"
-        raise BadInput(source=source, field=where, problem=problem, remedy="Name every interface node once")
+        raise BadInput(source, where, f"names node {twice} {value.count(twice)} times", "Name every interface node once")
     matrix_names = toml_file.require_table(model.get("matrices", {}), source=source, where=f"{TABLE}.matrices")
     for key, name in matrix_names.items():
         what, of_part, _ = key.partition("/")
@@ -156,19 +155,19 @@ def _require_support(model: Mapping[str, Any], named: parts.Named, kind: str, un
     """Refuse keys that contradict how the structure is held, and what modal data cannot have."""
     if kind == "modal" and (key := next((key for key in parts.KEYS if model.get(key)), None)):
         problem = "belongs to a structure, not to modal data, whose base is the reference point"
-        raise BadInput(source=source, field=f"{TABLE}.{key}", problem=problem, remedy="Leave it out, or bring matrices")
+        raise BadInput(source, f"{TABLE}.{key}", problem, "Leave it out, or bring matrices")
     if not units.known and (kind == "modal" or named.support == "base"):
         problem = "leaves open what a kilogram is, and a base that moves is about masses in kilograms"
-        raise BadInput(source=source, field=f"{TABLE}.units", problem=problem, remedy="Name the system, mm-t-N-s for example")
+        raise BadInput(source, f"{TABLE}.units", problem, "Name the system, mm-t-N-s for example")
     if named.support != "base" and model.get("interface"):
         problem = f'names nodes that a base carries, and support is "{named.support}"'
-        raise BadInput(source=source, field=f"{TABLE}.interface", problem=problem, remedy="Leave one of the two out")
+        raise BadInput(source, f"{TABLE}.interface", problem, "Leave one of the two out")
     to_ground = [f"joints.{name}" for name, joint in named.joints.items() if parts.GROUND in joint.between]
     if named.support != "ground" and (named.supports or to_ground):
         where = "supports" if named.supports else to_ground[0]
         problem = f'ties it to the ground, and support is "{named.support}"'
         remedy = 'Write support = "ground"; what holds a base-driven structure is its interface'
-        raise BadInput(source=source, field=f"{TABLE}.{where}", problem=problem, remedy=remedy)
+        raise BadInput(source, f"{TABLE}.{where}", problem, remedy)
 
 
 def _text(table: Mapping[str, Any], key: str, source: str) -> str | None:
@@ -196,7 +195,7 @@ def _stated(value: Any, units: UnitSystem, source: str) -> Stated:
     toml_file.require_known(table, ("mass", "cog", "frequencies"), source=source, where="stated")
     if {"mass", "cog"} & table.keys() and not units.known:
         problem = "cannot be compared with matrices whose units are not known"
-        raise BadInput(source=source, field="stated", problem=problem, remedy="Name their system in fe_model.units")
+        raise BadInput(source, "stated", problem, "Name their system in fe_model.units")
     cog = parts.point(table["cog"], units, source, "stated.cog") if "cog" in table else None
     where, listed = "stated.frequencies", table.get("frequencies", [])
     if not isinstance(listed, list):
@@ -312,7 +311,7 @@ class Contents:
 
     def refused(self, name: str, problem: str, remedy: str) -> BadInput:
         """The refusal of the array `name`."""
-        return BadInput(source=self.source, field=name, problem=problem, remedy=remedy)
+        return BadInput(self.source, name, problem, remedy)
 
     def _compressed(self, name: str, wanted: tuple[int, int] | None) -> Sparse:
         from scipy.sparse import csr_array
@@ -396,7 +395,7 @@ def require_rigid_body(matrix: Array, source: str, field: str, remedy: str) -> I
     scale = np.sqrt(np.abs(np.diag(matrix)))
     if np.any(scale == 0):
         axis = MOTIONS[int(np.argmin(scale))]
-        raise BadInput(source=source, field=field, problem=f"has no inertia along {axis}", remedy=remedy)
+        raise BadInput(source, field, f"has no inertia along {axis}", remedy)
     # Ten parameters of a symmetric matrix that is nearly a rigid body's
     S = (matrix[3:, :3] - matrix[3:, :3].T) / 2
     mass = float(np.trace(matrix[:3, :3]) / 3)
@@ -408,10 +407,10 @@ def require_rigid_body(matrix: Array, source: str, field: str, remedy: str) -> I
             f"is not the mass matrix of a rigid body (m 1, -S; S, Theta): row {row + 1}, column {column + 1} is "
             f"{matrix[row, column]:.6g} where {inertia.mass_matrix[row, column]:.6g} belongs, diagonal {_listed(np.diag(matrix))}"
         )
-        raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
+        raise BadInput(source, field, problem, remedy)
     verdict = judge(inertia, RIGID)
     if not verdict.physical:
-        raise BadInput(source=source, field=field, problem=f"no body has it: {verdict.text}", remedy=remedy)
+        raise BadInput(source, field, f"no body has it: {verdict.text}", remedy)
     return inertia
 
 
@@ -434,7 +433,7 @@ def require_as_stated(inertia: Inertia, description: Description) -> None:
     if np.linalg.norm(cog - stated.cog) > COG * radius:
         problem = f"the matrices have their CoG at ({_listed(cog)}) m where ({_listed(stated.cog)}) m is stated"
         remedy = f"Check the coordinates, their unit ({description.units.name}), and the frame that the CoG is stated in"
-        raise BadInput(source=description.source, field="stated.cog", problem=problem, remedy=remedy)
+        raise BadInput(description.source, "stated.cog", problem, remedy)
 
 
 def require_stated_mass(mass: float, description: Description, least: float = 1.0) -> None:
@@ -458,7 +457,7 @@ def require_stated_mass(mass: float, description: Description, least: float = 1.
             if least - MASS < ratio / slip < 1 + MASS
         )
         unnamed = f"Check `fe_model.units`, found {known}, and whether all parts and lumped masses are in the model"
-        raise BadInput(source=description.source, field="stated.mass", problem=problem, remedy=next(named, unnamed))
+        raise BadInput(description.source, "stated.mass", problem, next(named, unnamed))
 
 
 def _listed(values: Array) -> str:

@@ -112,7 +112,7 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
             raise toml_file.wrong(ends, "two nodes apart from each other", source, at, "Correct the nodes")
         if abs(across @ (points[b] - points[a])) > 1e-6 * length:
             problem = f"is thin along its own direction: `across` of the section is {across.tolist()}"
-            raise BadInput(source=source, field=at, problem=problem, remedy="Name an axis that is square to every member")
+            raise BadInput(source, at, problem, "Name an axis that is square to every member")
         first = len(points)
         points += [points[a] + share * (points[b] - points[a]) for share in np.linspace(0.0, 1.0, pieces + 1)]
         members.append(frame.Member(nodes=tuple(range(first, len(points))), section=section, z_axis=across, part=name))
@@ -146,10 +146,10 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
     )
     if (support == "free") == bool(fixed):
         problem = f"is {support!r}, and fixed nodes are {', '.join(fixed) or 'none'}"
-        raise BadInput(source=source, field=f"{where}.support", problem=problem, remedy="Correct one of them")
+        raise BadInput(source, f"{where}.support", problem, "Correct one of them")
     held = [6 * k + m for k, name in enumerate(names) for m in range(6) if name in fixed or MOTIONS[m] not in moves]
     if not part_mass:
-        raise BadInput(source=source, field=f"{where}.masses", problem="nothing has mass", remedy="State masses, or a density")
+        raise BadInput(source, f"{where}.masses", "nothing has mass", "State masses, or a density")
     down = np.tile(np.concatenate([_direction(table.get("down", "-z"), source, f"{where}.down"), np.zeros(3)]), len(points))
     weights = [(count if name in _names(members) else 1.0) * M @ down for name, M in part_mass.items()]
     loads = STANDARD_GRAVITY * np.sum(weights, axis=0)
@@ -263,7 +263,7 @@ def _size(value: Any, dimension: str, source: str, where: str) -> float:
 def _node(name: Any, names: list[str], source: str, where: str) -> str:
     if name not in names:
         remedy = f"{toml_file.nearest(str(name), names)}Nodes are {', '.join(names)}"
-        raise BadInput(source=source, field=where, problem=f"no node is called {name!r}", remedy=remedy)
+        raise BadInput(source, where, f"no node is called {name!r}", remedy)
     return str(name)
 
 

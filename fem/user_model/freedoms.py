@@ -162,13 +162,12 @@ def _by_nodes(contents: Contents, description: Description, n: int) -> DofMap:
         interface = description.interface or tuple(contents.whole("interface", (-1,)).tolist() if "interface" in contents else ())
         if not interface:
             problem, remedy = "is missing: no node is named that the base carries", "Add interface = [node, ...]"
-            raise BadInput(source=description.source, field="fe_model.interface", problem=problem, remedy=remedy)
+            raise BadInput(description.source, "fe_model.interface", problem, remedy)
         physical = labels[:, 1] > 0
         for node in interface:
             if not np.any(physical & (labels[:, 0] == node)):
                 problem = f"names node {node}, which has no degree of freedom in the matrices"
-                remedy = _nodes_there(np.unique(labels[physical, 0]))
-                raise BadInput(source=description.source, field="fe_model.interface", problem=problem, remedy=remedy)
+                raise BadInput(description.source, "fe_model.interface", problem, _nodes_there(np.unique(labels[physical, 0])))
         held = np.flatnonzero(physical & np.isin(labels[:, 0], interface))
     return DofMap(
         labels=labels,
@@ -201,8 +200,7 @@ def _require_hold(found: DofMap, contents: Contents, description: Description) -
     field = "fe_model.interface" if description.interface else "held"
     remedy = "Name at least three nodes that are not on one line, or one that has its three rotations too"
     if not 0 < len(held) < len(found.rigid):
-        problem = f"holds {len(held)} of all {len(found.rigid)} degrees of freedom"
-        raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
+        raise BadInput(source, field, f"holds {len(held)} of all {len(found.rigid)} degrees of freedom", remedy)
     # Motions about a point in the middle of the held degrees of freedom rather than the reference point: a shift of that by d
     # adds translations @ skew(d) to the rotations; the best d in the least-squares sense.
     translations, rotations = held[:, :3], held[:, 3:]
@@ -215,8 +213,7 @@ def _require_hold(found: DofMap, contents: Contents, description: Description) -
     values = np.append(values, np.zeros(6 - len(values)))
     if values[-1] < INDEPENDENT * values[0]:
         axis = MOTIONS[int(np.argmax(np.abs(motions[-1])))]
-        problem = f"does not hold the structure: it is free to move along or about {axis}"
-        raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
+        raise BadInput(source, field, f"does not hold the structure: it is free to move along or about {axis}", remedy)
 
 
 # Places and joints that the description names, in the rows of a structure.
@@ -255,8 +252,7 @@ def with_places(structure: Structure, dofs: DofMap, contents: Contents, descript
         said += [remark] if remark else []
     for name in contents.shares("places"):
         if name in motions:
-            problem = "is an array of the file, too"
-            raise BadInput(source=description.source, field=f"{TABLE}.places.{name}", problem=problem, remedy="Leave one out")
+            raise BadInput(description.source, f"{TABLE}.places.{name}", "is an array of the file, too", "Leave one out")
         require_name(name, contents.source, "places")
         moved = vstack([contents.matrix(f"places/{name}", (3, len(dofs.scale))), csr_array((3, len(dofs.scale)))])
         motions[name] = Motion(rows=csr_array(moved), point=None)
@@ -271,14 +267,14 @@ def with_places(structure: Structure, dofs: DofMap, contents: Contents, descript
         if joint.stiffness is not None:
             if name in parts:
                 problem = "states six stiffnesses, and the matrices have a part of this name"
-                raise BadInput(source=description.source, field=where, problem=problem, remedy="Leave one of the two out")
+                raise BadInput(description.source, where, problem, "Leave one of the two out")
             share = _springs(joint, joint.stiffness, motions, structure, description, where)
             parts = parts or {"structure": stiffness}
             parts[name], stiffness = share, stiffness + share
         elif name not in parts:
             problem = "has neither `stiffness` nor a part of its name in the matrices"
             remedy = f"{toml_file.nearest(name, parts)}Add stiffness = [six], or stiffness/{name} to the matrices"
-            raise BadInput(source=description.source, field=where, problem=problem, remedy=remedy)
+            raise BadInput(description.source, where, problem, remedy)
         (supports if GROUND in joint.between else joints).append(name)
         if joint.tolerance is not None:
             tolerances[name] = MappingProxyType({**tolerances.get(name, {}), "modulus": joint.tolerance})
@@ -287,7 +283,7 @@ def with_places(structure: Structure, dofs: DofMap, contents: Contents, descript
             what = "a joint has that name" if name in parts else "the matrices have no such part"
             problem = f"names {name!r}, and {what}"
             remedy = f"{toml_file.nearest(name, parts)}Parts are {', '.join(parts) or 'none: write stiffness/' + name}"
-            raise BadInput(source=description.source, field=f"{TABLE}.supports", problem=problem, remedy=remedy)
+            raise BadInput(description.source, f"{TABLE}.supports", problem, remedy)
     found = replace(
         structure,
         stiffness=stiffness,
@@ -317,8 +313,7 @@ def _motion(
     n, source, where = len(dofs.scale), description.source, f"{TABLE}.places.{name}"
     if place.rows:
         if max(place.rows) >= n:
-            problem = f"names the degree of freedom {max(place.rows)} of {n}"
-            raise BadInput(source=source, field=f"{where}.dof", problem=problem, remedy="Count from 0")
+            raise BadInput(source, f"{where}.dof", f"names the degree of freedom {max(place.rows)} of {n}", "Count from 0")
         return _of_rows(place.rows, n), ""
     if place.node is not None:
         own = np.flatnonzero((dofs.labels[:, 0] == place.node) & (dofs.labels[:, 1] > 0))
@@ -326,7 +321,7 @@ def _motion(
             known = np.unique(dofs.labels[dofs.labels[:, 1] > 0, 0])
             problem = f"is node {place.node}, which has no degree of freedom in the matrices"
             remedy = _nodes_there(known) if len(known) else "The rows have no nodes: write { dof = [0, 1, 2] }"
-            raise BadInput(source=source, field=where, problem=problem, remedy=remedy)
+            raise BadInput(source, where, problem, remedy)
         # The axes along which its rows move, which Nastran may turn; those of the model where it has no coordinates
         component = dofs.labels[own, 1] - 1
         axes, turns = dofs.rigid[own], component >= 3
@@ -343,7 +338,7 @@ def _motion(
     assert place.point is not None  # one of the three is there
     if not len(structure.points):
         problem = "is a coordinate, and the model has no coordinates of its own"
-        raise BadInput(source=source, field=where, problem=problem, remedy="Write its rows: { dof = [0, 1, 2] }")
+        raise BadInput(source, where, problem, "Write its rows: { dof = [0, 1, 2] }")
     node, distance, gap = nearest_node(structure, place.point)
     nearest = ", ".join(f"{x:.6g}" for x in structure.points[node])
     rows = place_rows(structure, place.point, source, where)[0]
@@ -364,8 +359,7 @@ def _springs(
     for name in filter(None, (*joint.between, joint.at)):
         if name != GROUND and name not in motions:
             problem = f"names the place {name!r}, which is none of fe_model.places"
-            remedy = f"{toml_file.nearest(name, motions)}Places are {', '.join(motions) or 'none'}"
-            raise BadInput(source=source, field=where, problem=problem, remedy=remedy)
+            raise BadInput(source, where, problem, f"{toml_file.nearest(name, motions)}Places are {', '.join(motions) or 'none'}")
     at = motions[joint.at or joint.between[0]].point
     between = csr_array((6, structure.mass.shape[0]))
     for sign, name in zip((-1, 1), joint.between, strict=True):
@@ -382,8 +376,7 @@ def _springs(
                 lost = int(needed[~moving[needed]][0])
                 axis, other = MOTIONS[k], MOTIONS[lost]
                 problem = f"is stiff along or about {axis}, and nothing of the place {name!r} moves along or about {other}"
-                remedy = "Write 0 there, or name a place whose node has that motion"
-                raise BadInput(source=source, field=where, problem=problem, remedy=remedy)
+                raise BadInput(source, where, problem, "Write 0 there, or name a place whose node has that motion")
         between = between + sign * moved
     if GROUND not in joint.between and np.any(structure.rigid):
         rides = [abs(motions[name].rows) @ np.abs(structure.rigid) for name in joint.between]
@@ -392,6 +385,5 @@ def _springs(
         if np.any(stretched > allowed):
             worst = int(np.argmax((stretched - allowed).max(axis=0)))
             problem = f"resists the rigid motion of the whole along or about {MOTIONS[worst]}: its two places lie apart"
-            remedy = "Let the places coincide, or give both nodes with rotations"
-            raise BadInput(source=source, field=where, problem=problem, remedy=remedy)
+            raise BadInput(source, where, problem, "Let the places coincide, or give both nodes with rotations")
     return csr_array(between.T @ diags_array(stiffness) @ between)

@@ -216,15 +216,15 @@ def _require_parts(
         where, there = f"{TABLE}.parts.{name}", {**parts, **masses}
         if name not in there:
             remedy = f"{toml_file.nearest(name, there)}Parts are {', '.join(there) or 'none: write stiffness/' + name}"
-            raise BadInput(source=description.source, field=where, problem="is no part of the matrices", remedy=remedy)
+            raise BadInput(description.source, where, "is no part of the matrices", remedy)
         meshed = {"material": part.material, "thickness": part.thickness, "section": part.section}
         stated = next((key for key, value in meshed.items() if value), "")
         if stated:
             problem = "is what elements are made with, and the matrices say it already"
-            raise BadInput(source=description.source, field=f"{where}.{stated}", problem=problem, remedy="Leave it out")
+            raise BadInput(description.source, f"{where}.{stated}", problem, "Leave it out")
         if part.loss_factor is not None and name not in parts:
             problem = f"is that of a part without stiffness: there is no stiffness/{name}"
-            raise BadInput(source=description.source, field=f"{where}.loss_factor", problem=problem, remedy="Leave it out")
+            raise BadInput(description.source, f"{where}.loss_factor", problem, "Leave it out")
         lacking = {
             "modulus": None if name in parts else f"stiffness/{name}",
             "loss_factor": None if name in parts else f"stiffness/{name}",
@@ -234,8 +234,7 @@ def _require_parts(
         for key in part.tolerance:
             if lacking[key]:
                 problem = f"is off by a stated share of what is not there: it needs {lacking[key]}"
-                remedy = "Leave it out, or bring what it needs"
-                raise BadInput(source=description.source, field=f"{where}.tolerance.{key}", problem=problem, remedy=remedy)
+                raise BadInput(description.source, f"{where}.tolerance.{key}", problem, "Leave it out, or bring what it needs")
 
 
 def _lossy(found: Structure, contents: Contents, description: Description, dofs: DofMap) -> Structure:
@@ -248,8 +247,7 @@ def _lossy(found: Structure, contents: Contents, description: Description, dofs:
         return replace(found, part_stiffness=MappingProxyType(parts), loss_factors=MappingProxyType(factors))
     if whole is not None or own:
         field = "fe_model.loss_factor" if whole is not None else f"fe_model.parts.{next(iter(own))}.loss_factor"
-        problem = "is given beside a matrix `structural`"
-        raise BadInput(source=description.source, field=field, problem=problem, remedy="Leave one of the two out")
+        raise BadInput(description.source, field, "is given beside a matrix `structural`", "Leave one of the two out")
     if found.part_stiffness:
         problem = "is one matrix for all parts, which would not follow a part that is softer or stiffer"
         raise contents.refused("structural", problem, "Give every part its loss_factor in [fe_model.parts.NAME] instead")
@@ -332,13 +330,12 @@ def _require_mechanics(found: Structure, contents: Contents, description: Descri
         # What is clamped is not in the matrices: they may weigh less than was stated, and their centre of gravity is not known
         if description.stated.cog is not None:
             problem = "cannot be compared: what the ground holds is not in the matrices"
-            raise BadInput(source=description.source, field="stated.cog", problem=problem, remedy="Leave it out")
+            raise BadInput(description.source, "stated.cog", problem, "Leave it out")
         if description.stated.mass is not None:
             weight = float(np.diag(found.rigid_mass)[:3].max())
             if not weight:
                 problem = "cannot be compared: without coordinates nobody knows which rows of M are masses"
-                remedy = "Leave it out, or add dof and nodes"
-                raise BadInput(source=description.source, field="stated.mass", problem=problem, remedy=remedy)
+                raise BadInput(description.source, "stated.mass", problem, "Leave it out, or add dof and nodes")
             require_stated_mass(weight, description, CLAMPED)
         return
     # The mass that the base would feel at infinite frequency, M_rr - M_rf M_ff^-1 M_fr, must not be negative
@@ -469,7 +466,7 @@ def modes(contents: Contents, description: Description) -> Modes:
     if description.interface or description.loss_factor is not None:
         field = "fe_model.interface" if description.interface else "fe_model.loss_factor"
         problem = "belongs to matrices, not to modal data, whose base is the reference point and whose damping is damping_ratio"
-        raise BadInput(source=description.source, field=field, problem=problem, remedy="Leave it out")
+        raise BadInput(description.source, field, problem, "Leave it out")
     frequency = contents.numbers("frequency", (-1,))
     if not len(frequency):
         raise contents.refused("frequency", "holds no mode", "Write at least one; a rigid body needs no model")

@@ -128,8 +128,7 @@ def named(model: Mapping[str, Any], units: UnitSystem, source: str, where: str) 
         raise toml_file.wrong(supports, "a list of names of parts", source, f"{where}.supports", 'Write it like ["y1", "y2"]')
     for name in supports:
         if supports.count(name) > 1:
-            problem = f"names {name!r} {supports.count(name)} times"
-            raise BadInput(source=source, field=f"{where}.supports", problem=problem, remedy="Name every support once")
+            raise BadInput(source, f"{where}.supports", f"names {name!r} {supports.count(name)} times", "Name every support once")
     return Named(
         support=support,
         parts={name: _part(entry, units, source, f"{where}.parts.{name}") for name, entry in tables["parts"].items()},
@@ -149,7 +148,7 @@ def require_name(name: str, source: str, where: str) -> None:
     if not _NAME.fullmatch(name) or name in RESERVED:
         problem = f"{name!r} means something else" if name in RESERVED else f"{name!r} cannot be called: it has other signs"
         remedy = "Give it another name, of letters, digits, _, - and . that does not begin with - or ."
-        raise BadInput(source=source, field=where, problem=problem, remedy=remedy)
+        raise BadInput(source, where, problem, remedy)
 
 
 def _part(entry: Any, units: UnitSystem, source: str, where: str) -> StatedPart:

@@ -66,7 +66,7 @@ def read_nastran(path: Path, description: Description) -> Contents:
         name = next((choice for choice in choices if choice in found), None)
         if name is None and (given or ours not in dispensable):
             remedy = f"{nearest(choices[0], found)}There are {', '.join(found) or 'none'}; name it by fe_model.matrices.{ours}"
-            raise BadInput(source=str(path), field=choices[0].upper(), problem=f"is missing, the {ours}", remedy=remedy)
+            raise BadInput(str(path), choices[0].upper(), f"is missing, the {ours}", remedy)
         if name is None:
             continue
         # EXTSEOUT writes a single zero for a matrix that the model does not have
@@ -80,8 +80,7 @@ def read_nastran(path: Path, description: Description) -> Contents:
     grids = description.grids or next((file for file in beside if file.is_file()), None)
     if grids is None:
         problem = "is missing, and there is no .asm, .bdf, .dat or .blk of the same name: the matrices have no coordinates"
-        remedy = 'Add grids = "model.bdf"'
-        raise BadInput(source=description.source, field="fe_model.grids", problem=problem, remedy=remedy)
+        raise BadInput(description.source, "fe_model.grids", problem, 'Add grids = "model.bdf"')
     nodes = _guarded(grids, lambda: _nodes(grids, dof))
     return Contents(source=str(path), arrays=matrices | nodes)
 
@@ -96,7 +95,7 @@ def _guarded(path: Path, work: Callable[[], Any]) -> Any:
         raise
     except Exception as error:  # pyyeti trusts its input: struct, index, value, type and key errors all mean a damaged file
         problem = f"pyyeti cannot read it: {type(error).__name__}, {error}"
-        raise BadInput(source=str(path), problem=problem, remedy="Write it again; it may be cut short or damaged") from None
+        raise BadInput(str(path), "", problem, "Write it again; it may be cut short or damaged") from None
 
 
 # --- OUTPUT4 ----------------------------------------------------------------------------------------------------------------
@@ -109,7 +108,7 @@ def _output4(path: Path) -> dict[str, Sparse]:
     with path.open("rb") as file:
         head, size = file.read(4), path.stat().st_size
         if len(head) < 4:
-            raise BadInput(source=str(path), problem="it is empty or nearly so", remedy="Write it again")
+            raise BadInput(str(path), "", "it is empty or nearly so", "Write it again")
         order, place = "<I" if int.from_bytes(head, "little") <= 48 else ">I", 0
         while min(head) == 0 and place < size:  # else it is formatted
             file.seek(place)
@@ -117,17 +116,15 @@ def _output4(path: Path) -> dict[str, Sparse]:
             file.seek(place + 4 + length)
             if place + 8 + length > size or _length(file.read(4), order) != length:
                 problem = f"the record that begins at byte {place} is not whole"
-                raise BadInput(source=str(path), problem=problem, remedy="Write it again; it is cut short or damaged")
+                raise BadInput(str(path), "", problem, "Write it again; it is cut short or damaged")
             place += 8 + length
     names, matrices, _, types = op4.OP4().listload(str(path), sparse=True)
     found: dict[str, Sparse] = {}
     for name, matrix, kind in zip(names, matrices, types, strict=True):
         if name in found:
-            problem = "is there twice"
-            raise BadInput(source=str(path), field=name, problem=problem, remedy="Write every matrix once")
+            raise BadInput(str(path), name, "is there twice", "Write every matrix once")
         if kind not in (1, 2, 3, 4):
-            problem = f"has the type {kind}, no real or complex number of Nastran"
-            raise BadInput(source=str(path), field=name, problem=problem, remedy="Write the file again")
+            raise BadInput(str(path), name, f"has the type {kind}, no real or complex number of Nastran", "Write the file again")
         found[name] = matrix
     return found
 
@@ -149,11 +146,11 @@ def _punched(path: Path) -> dict[str, tuple[Array, Integers, Integers, bool]]:
         name = str(card[0]).strip().lower()
         if card[1] == 0:
             if name in groups:
-                raise BadInput(source=str(path), field=name, problem="is there twice", remedy="Punch every matrix once")
+                raise BadInput(str(path), name, "is there twice", "Punch every matrix once")
             groups[name] = (card, [])
         elif name not in groups:
             problem = f"a column of {name.upper()} stands before its header card"
-            raise BadInput(source=str(path), field=name, problem=problem, remedy="Keep the order in which it was punched")
+            raise BadInput(str(path), name, problem, "Keep the order in which it was punched")
         else:
             groups[name][1].append(card)
     found: dict[str, tuple[Array, Integers, Integers, bool]] = {}
@@ -161,10 +158,10 @@ def _punched(path: Path) -> dict[str, tuple[Array, Integers, Integers, bool]]:
         form, kind = header[2], header[3]
         if form not in (1, 6):
             problem = f"has the form {form!r} (IFO), where a square (1) or symmetric (6) matrix is needed"
-            raise BadInput(source=str(path), field=name, problem=problem, remedy="Punch K and M as square or symmetric DMIG")
+            raise BadInput(str(path), name, problem, "Punch K and M as square or symmetric DMIG")
         if kind not in (1, 2):
             problem = "is complex" if kind in (3, 4) else f"has the type {kind!r} (TIN)"
-            raise BadInput(source=str(path), field=name, problem=problem, remedy="Punch it real: type 1 or 2")
+            raise BadInput(str(path), name, problem, "Punch it real: type 1 or 2")
         entries = [(card[1], card[2], *card[k : k + 3]) for card in columns for k in range(4, len(card), 4)]
         whole = all(
             len(entry) == 5 and all(isinstance(v, int) for v in entry[:4]) and isinstance(entry[4], int | float)
@@ -172,7 +169,7 @@ def _punched(path: Path) -> dict[str, tuple[Array, Integers, Integers, bool]]:
         )
         if not whole or not entries:
             problem = "holds no columns" if not entries else "a column holds something else than node, component, value"
-            raise BadInput(source=str(path), field=name, problem=problem, remedy="Punch it again; it may be cut short or damaged")
+            raise BadInput(str(path), name, problem, "Punch it again; it may be cut short or damaged")
         values = np.array([entry[4] for entry in entries], dtype=np.float64)
         labels = np.array([entry[:4] for entry in entries], dtype=np.intp)
         found[name] = values, labels[:, 2:], labels[:, :2], form == 6
@@ -192,7 +189,7 @@ def _on_common_rows(found: dict[str, tuple[Array, Integers, Integers, bool]], pa
             i, j = np.minimum(i, j), np.maximum(i, j)
         if len(np.unique(i * len(dof) + j)) < len(values):
             problem = "holds an entry more than once" + (", or both triangles of a symmetric one" if symmetric else "")
-            raise BadInput(source=str(path), field=name, problem=problem, remedy="Punch every entry once")
+            raise BadInput(str(path), name, problem, "Punch every entry once")
         A = csr_array(coo_array((values, (i, j)), shape=(len(dof), len(dof))))
         made[name] = csr_array(A + A.T - coo_array((A.diagonal(), (range(len(dof)), range(len(dof)))))) if symmetric else A
     return made, dof
@@ -213,7 +210,7 @@ def _nodes(grids: Path, dof: Integers | None) -> dict[str, Any]:
         boundary, kept = np.zeros(0, dtype=bool), np.ones(len(uset), dtype=bool)
     if not len(uset):
         problem = "holds no GRID card; INCLUDE statements are not followed"
-        raise BadInput(source=str(grids), problem=problem, remedy="Name the file that holds the grid points themselves")
+        raise BadInput(str(grids), "", problem, "Name the file that holds the grid points themselves")
     labels, table = uset.index.to_frame().to_numpy(dtype=np.intp), uset.to_numpy(dtype=np.float64)
     rigid = np.asarray(nastran.rbgeom_uset(uset, np.zeros(3)), dtype=np.float64)
     first = np.flatnonzero(labels[:, 1] == 1)  # of the six rows of a grid point: place, system, its origin and its three axes
@@ -272,18 +269,18 @@ def read_hdf5(path: Path) -> Contents:
             total = sum(int(dataset.size or 0) * dataset.dtype.itemsize for dataset in found.values())
             if total > LARGEST_BYTES:
                 problem = f"its datasets would take {total / 2**30:.3g} GiB, more than {LARGEST_BYTES / 2**30:.3g}"
-                raise BadInput(source=source, problem=problem, remedy=TOO_LARGE)
+                raise BadInput(source, "", problem, TOO_LARGE)
             arrays = {name: np.asarray(dataset[()]) for name, dataset in found.items()}
             text = None
             if "description" in file.attrs:  # told by its type first: the library fails on a damaged one in ways nobody can catch
                 if h5py.check_string_dtype(file.attrs.get_id("description").dtype) is None:
-                    raise BadInput(source=source, field="description", problem="is no text", remedy=_WRITE_AGAIN)
+                    raise BadInput(source, "description", "is no text", _WRITE_AGAIN)
                 text = file.attrs["description"]
     except BadInput:
         raise
     except Exception as error:  # h5py raises OSError, KeyError, RuntimeError, ValueError and more on damaged bytes
         problem = f"it cannot be read as HDF5: {str(error).splitlines()[0] if str(error) else type(error).__name__}"
-        raise BadInput(source=source, problem=problem, remedy=_WRITE_AGAIN) from None
+        raise BadInput(source, "", problem, _WRITE_AGAIN) from None
     if isinstance(text, bytes):
         text = text.decode("utf-8", errors="replace")
     return Contents(source=source, arrays=arrays, description=text if isinstance(text, str) else None)
@@ -298,23 +295,22 @@ def _datasets(group: Any, prefix: str, source: str) -> dict[str, Any]:
         name, link = f"{prefix}{key}", group.get(key, getlink=True)
         if not isinstance(link, h5py.HardLink):
             target = getattr(link, "filename", None) or getattr(link, "path", "")
-            raise BadInput(source=source, field=name, problem=f"is a link to {target!r}, which is not followed", remedy=_OWN_DATA)
+            raise BadInput(source, name, f"is a link to {target!r}, which is not followed", _OWN_DATA)
         entry = group[key]
         if isinstance(entry, h5py.Dataset):
             # `entry`, when all of it lies in the file
             if entry.external or entry.is_virtual:
-                raise BadInput(source=source, field=name, problem="has its numbers in another file", remedy=_OWN_DATA)
+                raise BadInput(source, name, "has its numbers in another file", _OWN_DATA)
             if entry.dtype.kind not in "fiuc":
                 problem = f"must hold numbers, found the type {entry.dtype}"
-                raise BadInput(source=source, field=name, problem=problem, remedy="Write it as 64-bit floating point")
+                raise BadInput(source, name, problem, "Write it as 64-bit floating point")
             if entry.size and entry.id.get_storage_size() == 0:
                 shape = " x ".join(map(str, entry.shape)) or "1"
-                problem = f"declares {shape} values, but none was ever written"
-                raise BadInput(source=source, field=name, problem=problem, remedy=_WRITE_AGAIN)
+                raise BadInput(source, name, f"declares {shape} values, but none was ever written", _WRITE_AGAIN)
             found[name] = entry
         elif name.count("/") >= DEEPEST:
             problem = "is a group deeper than any of a model: stiffness/PART/data is as deep as they go"
-            raise BadInput(source=source, field=name, problem=problem, remedy="Put the datasets at the root of the file")
+            raise BadInput(source, name, problem, "Put the datasets at the root of the file")
         elif isinstance(entry, h5py.Group):
             found |= _datasets(entry, f"{name}/", source)
     return found
@@ -416,8 +412,7 @@ def opened(path: str | Path) -> tuple[Contents, Description]:
     if path.suffix.lower() == ".toml":
         description = read_description(path)
         if description.file is None:
-            problem = f"is missing: the data are {', '.join(DATA_ENDINGS)}"
-            raise BadInput(source=str(path), field="fe_model.file", problem=problem, remedy='Add file = "..."')
+            raise BadInput(str(path), "fe_model.file", f"is missing: the data are {', '.join(DATA_ENDINGS)}", 'Add file = "..."')
         return _contents(description.file, description), description
     _require_file(path)
     if path.suffix.lower() in NASTRAN_ENDINGS:
@@ -439,12 +434,11 @@ def _beside(path: Path) -> Description:
     sidecar = path.with_suffix(".toml")
     if not sidecar.is_file():
         problem = "says nothing of its units, reference point and interface"
-        remedy = f"Write them into {sidecar.name} beside it; docs/own-model.md shows how"
-        raise BadInput(source=str(path), problem=problem, remedy=remedy)
+        raise BadInput(str(path), "", problem, f"Write them into {sidecar.name} beside it; docs/own-model.md shows how")
     description = read_description(sidecar)
     if description.file is not None and description.file.resolve() != path.resolve():
         problem = f"is {description.file.name}, not {path.name}"
-        raise BadInput(source=str(sidecar), field="fe_model.file", problem=problem, remedy=f"Read {sidecar.name} or correct it")
+        raise BadInput(str(sidecar), "fe_model.file", problem, f"Read {sidecar.name} or correct it")
     return description
 
 
@@ -460,8 +454,7 @@ def _contents(path: Path, description: Description) -> Contents:
 def _require_not_nastrans(path: Path, description: Description) -> None:
     if description.grids is not None or description.matrices:
         field = "fe_model.grids" if description.grids is not None else "fe_model.matrices"
-        problem = f"is for Nastran files, and {path.name} is none"
-        raise BadInput(source=description.source, field=field, problem=problem, remedy="Leave it out")
+        raise BadInput(description.source, field, f"is for Nastran files, and {path.name} is none", "Leave it out")
 
 
 def _require_digest(path: Path, description: Description) -> None:
@@ -473,21 +466,20 @@ def _require_digest(path: Path, description: Description) -> None:
     if found != description.sha256:
         problem = f"is not that of {path.name}, which has {found}"
         remedy = "Copy the file again; if it was changed on purpose, write its new sum here"
-        raise BadInput(source=description.source, field="fe_model.sha256", problem=problem, remedy=remedy)
+        raise BadInput(description.source, "fe_model.sha256", problem, remedy)
 
 
 def _require_file(path: Path) -> None:
     ending = path.suffix.lower()
     if ending not in DATA_ENDINGS:
         problem = f"its ending {ending!r} is none of {', '.join(DATA_ENDINGS)}, .toml"
-        raise BadInput(source=str(path), problem=problem, remedy="Convert it, or correct its ending")
+        raise BadInput(str(path), "", problem, "Convert it, or correct its ending")
     if not path.is_file():
-        problem = "it is a folder" if path.is_dir() else "there is no such file"
-        raise BadInput(source=str(path), problem=problem, remedy="Check the path")
+        raise BadInput(str(path), "", "it is a folder" if path.is_dir() else "there is no such file", "Check the path")
     size = path.stat().st_size
     if size > LARGEST_BYTES:
         problem = f"it has {size / 2**30:.3g} GiB, more than {LARGEST_BYTES / 2**30:.3g}"
-        raise BadInput(source=str(path), problem=problem, remedy="Reduce the model first (Craig-Bampton)")
+        raise BadInput(str(path), "", problem, "Reduce the model first (Craig-Bampton)")
 
 
 # A `Structure` or `Modes` into a file of its own, which `read` takes back to the last digit.
@@ -512,11 +504,10 @@ def write(model: Structure | Modes, path: str | Path, name: str = "", units: Uni
 
     path = Path(path)
     if path.suffix.lower() not in WRITTEN_ENDINGS:
-        problem = f"its ending {path.suffix!r} is none of {', '.join(WRITTEN_ENDINGS)}"
-        raise BadInput(source=str(path), problem=problem, remedy="Choose one of them")
+        raise BadInput(str(path), "", f"its ending {path.suffix!r} is none of {', '.join(WRITTEN_ENDINGS)}", "Choose one of them")
     if units.known and units.name != SI.name:
         problem = f"the arrays of a structure are in SI, found {units.name}"
-        raise BadInput(source=str(path), field="units", problem=problem, remedy=f"Leave it out, or give {SI.name}")
+        raise BadInput(str(path), "units", problem, f"Leave it out, or give {SI.name}")
     if isinstance(model, Modes):
         fields = ("frequency", "damping_ratio", "participation", "rigid_mass", "residual", "viscous", "structural")
         arrays: dict[str, Any] = {field: getattr(model, field) for field in fields}

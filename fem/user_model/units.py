@@ -79,22 +79,21 @@ def unit_system(text: object, source: str, field: str = "fe_model.units") -> Uni
     words = [word.strip() for word in text.split("-")] if isinstance(text, str) else []
     if len(words) not in (3, 4):
         problem = f"must be length-mass-force-time, found {text!r}"
-        remedy = f'Write one like {", ".join(KNOWN)}; or "{UNKNOWN}" where only the second is sure'
-        raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
+        raise BadInput(source, field, problem, f'Write one like {", ".join(KNOWN)}; or "{UNKNOWN}" where only the second is sure')
     dimensions = ("length", "mass", "force", "time") if len(words) == 4 else ("length", "force", "time")
     value = {}
     for name, word in zip(dimensions, words, strict=True):
         size = float(quantity(f"1 {word}", name, source=source, field=field).nominal_value)
         if size <= 0:
             problem = f"one {word!r} is nothing beside the {name} of any structure"
-            raise BadInput(source=source, field=field, problem=problem, remedy=f"Write a system like {', '.join(KNOWN)}")
+            raise BadInput(source, field, problem, f"Write a system like {', '.join(KNOWN)}")
         value[name] = size
     by_newton = value["force"] * value["time"] ** 2 / value["length"]
     mass = value.get("mass", by_newton)
     if abs(by_newton / mass - 1) > CONSISTENT:
         problem = f"the force of {text} is {by_newton / mass:.6g} times mass × length / time²"
         remedy = f"Name the units that the matrices were made with: {', '.join(KNOWN)} are consistent"
-        raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
+        raise BadInput(source, field, problem, remedy)
     return UnitSystem(name=str(text), length=value["length"], mass=mass, time=value["time"])
 
 
@@ -110,6 +109,5 @@ def measured(value: Any, dimension: str, units: UnitSystem, source: str, field: 
         return float(quantity(value, dimension, source=source, field=field).nominal_value)
     if not bare or not abs(value) < LARGEST_QUANTITY:
         problem = f"must be a bare number, as the units of the matrices are not known, found {value!r}"
-        remedy = "Write it in the model's own unit, or name the system in fe_model.units"
-        raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
+        raise BadInput(source, field, problem, "Write it in the model's own unit, or name the system in fe_model.units")
     return float(value)

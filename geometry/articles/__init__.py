@@ -51,7 +51,7 @@ def _built(name: str, given: tuple[tuple[str, float], ...]) -> Article:
     used = {_BUILDERS[part][0] for part in parts}
     for file in sorted(changed_files(changes) - used):
         problem = f"a dimension of {file!r} was given, but {name} is made of {', '.join(sorted(used))}"
-        raise BadInput(source=f"article {name}", field=file, problem=problem, remedy="Name a dimension of a part of the article")
+        raise BadInput(f"article {name}", file, problem, "Name a dimension of a part of the article")
     articles = []
     for part in parts:
         file, build = _BUILDERS[part]
@@ -63,12 +63,11 @@ def _built(name: str, given: tuple[tuple[str, float], ...]) -> Article:
                 raise
             listed = ", ".join(f"{key}={value:g}" for key, value in given)
             problem = f"no body has the dimensions {listed}: {error}"
-            raise BadInput(source=f"article {part}", problem=problem, remedy="Check the sizes and their unit") from error
+            raise BadInput(f"article {part}", "", problem, "Check the sizes and their unit") from error
     for lower, upper in pairwise(articles):
         if lower.seat is None:
             problem = f"nothing can be mounted on {lower.name}, found {upper.name} above it"
-            remedy = f"Name the stack from bottom to top, for example {SETUPS[0]}"
-            raise BadInput(source=f"article {name}", problem=problem, remedy=remedy)
+            raise BadInput(f"article {name}", "", problem, f"Name the stack from bottom to top, for example {SETUPS[0]}")
     return stacked(*articles)
 
 
@@ -99,7 +98,7 @@ def _require_known(parts: list[str], whole: str) -> None:
     for part in parts:
         if part not in _BUILDERS:
             remedy = f"{nearest(part, NAMES)}Known are {', '.join(NAMES)}, joined by +, and files"
-            raise BadInput(source=f"article {whole}", problem=f"no built-in article is called {part!r}", remedy=remedy)
+            raise BadInput(f"article {whole}", "", f"no built-in article is called {part!r}", remedy)
 
 
 # Places of the built-in articles by name, where something is measured, mounted or tied: `flange`, `hub-3`, `lower-1+`, `top` ...

@@ -85,7 +85,7 @@ def _entries(table: Any) -> dict[str, Any]:
 
 
 def _refused(key: str, problem: str, remedy: str) -> BadInput:
-    return BadInput(source=f"--set, dimension file {key.split('.')[0]}.toml", field=key, problem=problem, remedy=remedy)
+    return BadInput(f"--set, dimension file {key.split('.')[0]}.toml", key, problem, remedy)
 
 
 # Clumod: bottom flange, hollow mast, four hubs and one or four blades that cross the mast at their middle.

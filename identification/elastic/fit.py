@@ -118,7 +118,7 @@ def kept(lines: Lines, measured: ComplexArray | None = None) -> Integers:
 
 
 def _refused(field: str, problem: str, remedy: str) -> BadInput:
-    return BadInput(source="elastic fit", field=field, problem=problem, remedy=remedy)
+    return BadInput("elastic fit", field, problem, remedy)
 
 
 # All parameters together by Levenberg and Marquardt: normal equations of weighted lines, analytic derivatives.
@@ -565,7 +565,7 @@ def fit(
     """
     if modes is not None and modes < 0:
         problem = f"a number of poles is at least 0, found {modes}"
-        raise BadInput(source="elastic fit", field="modes", problem=problem, remedy="Leave it out and the data decide")
+        raise BadInput("elastic fit", "modes", problem, "Leave it out and the data decide")
     data = lines_of(dynamic_mass, weights, floor, band)
     thin = data.at(kept(data))
     tell = progress or (lambda share: None)

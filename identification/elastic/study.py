@@ -206,7 +206,7 @@ def study(
     bands = _bands(first, last)
     if not bands:
         problem = f"no band ends above {NARROWEST:g} of its start"
-        raise BadInput(source="band study", problem=problem, remedy="Widen the band, or leave the study out")
+        raise BadInput("band study", "", problem, "Widen the band, or leave the study out")
     cells: list[StudiedFit] = []
     for k, band in enumerate(bands):
         data = elastic.lines_of(dynamic_mass, weights, floor, band)

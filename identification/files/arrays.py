@@ -31,7 +31,7 @@ def read(path: Path, wanted: Collection[str]) -> dict[str, Samples]:
     if ending not in ENDINGS:
         pickled = ending in (".pkl", ".pickle", ".joblib")
         problem = "a pickle can run programs, and is not read" if pickled else f"ends in none of {', '.join(ENDINGS)}"
-        raise BadInput(source=source, field="file", problem=problem, remedy=SAVE)
+        raise BadInput(source, "file", problem, SAVE)
     found: dict[str, Any]
     if ending == ".npz":
         found = npz.read(path, LARGEST_BYTES, wanted)
@@ -46,8 +46,7 @@ def read(path: Path, wanted: Collection[str]) -> dict[str, Samples]:
     for name, values in found.items():
         numbers = np.asarray(values)
         if numbers.dtype.kind not in "fciu":
-            problem = f"must be an array of numbers, found the type {numbers.dtype}"
-            raise BadInput(source=source, field=name, problem=problem, remedy=SAVE)
+            raise BadInput(source, name, f"must be an array of numbers, found the type {numbers.dtype}", SAVE)
         whole[name] = numbers.astype(np.complex128 if numbers.dtype.kind == "c" else np.float64)
     return whole
 
@@ -58,9 +57,9 @@ def _of_json(path: Path, wanted: Collection[str]) -> dict[str, Any]:
     try:
         table = json.loads(path.read_text(encoding="utf-8"))
     except (ValueError, RecursionError) as error:
-        raise BadInput(source=source, problem=f"it cannot be read as JSON: {error}", remedy=DAMAGED) from None
+        raise BadInput(source, "", f"it cannot be read as JSON: {error}", DAMAGED) from None
     if not isinstance(table, dict):
-        raise BadInput(source=source, problem="it must be an object with an array a name", remedy=SAVE)
+        raise BadInput(source, "", "it must be an object with an array a name", SAVE)
 
     def made(stated: Any, name: str) -> Samples:
         if isinstance(stated, dict) and set(stated) == {"real", "imag"}:
@@ -75,7 +74,6 @@ def _of_json(path: Path, wanted: Collection[str]) -> dict[str, Any]:
                 return numbers
         except (ValueError, OverflowError):  # rows of unequal length, a number beyond all bounds
             pass
-        problem = f"must be lists of numbers of one length, found {json.dumps(stated):.60}"
-        raise BadInput(source=source, field=name, problem=problem, remedy=SAVE)
+        raise BadInput(source, name, f"must be lists of numbers of one length, found {json.dumps(stated):.60}", SAVE)
 
     return {name: made(table[name], name) for name in wanted if table.get(name) is not None}

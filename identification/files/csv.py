@@ -51,8 +51,7 @@ def read(path: Path) -> Signals:
         other = f"{stem}.{'im' if part == 're' else 're'}"
         if part not in ("re", "im") or other not in header:
             missing = f"{name}.re and {name}.im are needed" if part not in ("re", "im") else f"{other} is missing"
-            problem = f"a spectrum takes two columns: {missing}"
-            raise BadInput(source=source, field=name, problem=problem, remedy="Write real and imaginary part")
+            raise BadInput(source, name, f"a spectrum takes two columns: {missing}", "Write real and imaginary part")
     stems, at = dict.fromkeys(name.rpartition(".")[0] for name in header[1:]), {name: k for k, name in enumerate(header)}
     samples = {name: files.as_complex(table[:, at[f"{name}.re"]], table[:, at[f"{name}.im"]]) for name in stems}
     files.require_one_length(samples, len(axis), source)
@@ -79,7 +78,7 @@ def write(path: Path, signals: Signals) -> None:
 
 def _header(line: bytes, source: str) -> list[str]:
     def refused(problem: str, remedy: str, field: str = "header") -> BadInput:
-        return BadInput(source=source, field=field, problem=problem, remedy=remedy)
+        return BadInput(source, field, problem, remedy)
 
     try:
         words = next(csv.reader([line[:LONGEST_HEADER].decode("utf-8").rstrip("\r")], strict=True), [])
@@ -98,19 +97,18 @@ def _header(line: bytes, source: str) -> list[str]:
 
 def _table(body: bytes, width: int, source: str) -> Array:
     if not body.strip():
-        raise BadInput(source=source, problem="it holds no samples", remedy=DAMAGED)
+        raise BadInput(source, "", "it holds no samples", DAMAGED)
     good = _NUMBERS.match(body)
     end = good.end() if good else 0
     if end < len(body):
         row = body[:end].count(b"\n") + 1
         found = body[end : end + 12].decode("utf-8", errors="replace")
         problem = f"row {row} holds something that is no number, at {found!r}"
-        raise BadInput(source=source, problem=problem, remedy="Use commas between columns and points in decimals")
+        raise BadInput(source, "", problem, "Use commas between columns and points in decimals")
     try:
         table = np.loadtxt(io.BytesIO(body), delimiter=",", dtype=np.float64, comments=None, ndmin=2)
     except ValueError as error:
-        raise BadInput(source=source, problem=f"it cannot be read: {str(error).split(';')[0]}", remedy=DAMAGED) from None
+        raise BadInput(source, "", f"it cannot be read: {str(error).split(';')[0]}", DAMAGED) from None
     if table.shape[1] != width:
-        problem = f"its rows have {table.shape[1]} columns where the header names {width}"
-        raise BadInput(source=source, problem=problem, remedy=DAMAGED)
+        raise BadInput(source, "", f"its rows have {table.shape[1]} columns where the header names {width}", DAMAGED)
     return np.asarray(table, dtype=np.float64)

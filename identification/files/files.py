@@ -79,7 +79,7 @@ def require_file(path: Path) -> None:
     """
 
     def refused(problem: str, remedy: str = "Put the signals into a file of the folder") -> BadInput:
-        return BadInput(source=str(path), problem=problem, remedy=remedy)
+        return BadInput(str(path), "", problem, remedy)
 
     if path.is_symlink():
         raise refused("it is a link, which is not followed")
@@ -95,7 +95,7 @@ def require_file(path: Path) -> None:
 def too_large(source: str, size: int) -> BadInput:
     """The refusal of `size` bytes."""
     problem = f"it takes {size / 2**30:.3g} GiB, more than {LARGEST_BYTES / 2**30:.3g}"
-    return BadInput(source=source, problem=problem, remedy=TOO_LARGE)
+    return BadInput(source, "", problem, TOO_LARGE)
 
 
 def require_one_length(samples: Mapping[str, Samples], count: int | None, source: str) -> None:
@@ -106,17 +106,16 @@ def require_one_length(samples: Mapping[str, Samples], count: int | None, source
     BadInput : the first channel whose length is another.
     """
     if not samples:
-        raise BadInput(source=source, problem="it holds no channel", remedy=DAMAGED)
+        raise BadInput(source, "", "it holds no channel", DAMAGED)
     first = next(iter(samples))
     wanted = len(samples[first]) if count is None else count
     if wanted < 2:
-        problem = f"holds {wanted} samples, and at least two are needed"
-        raise BadInput(source=source, field=first, problem=problem, remedy=DAMAGED)
+        raise BadInput(source, first, f"holds {wanted} samples, and at least two are needed", DAMAGED)
     for name, values in samples.items():
         if len(values) != wanted:
             against = f"{first} has {wanted}" if count is None else f"the axis has {wanted}"
             problem = f"has {len(values)} samples where {against}"
-            raise BadInput(source=source, field=name, problem=problem, remedy="Record all channels at one rate and length")
+            raise BadInput(source, name, problem, "Record all channels at one rate and length")
 
 
 def as_complex(real: npt.ArrayLike, imaginary: npt.ArrayLike) -> Samples:
@@ -161,7 +160,7 @@ def require_known(name: str, source: str, field: str) -> None:
     """
     if Path(name).suffix.lower() not in FORMATS:
         problem = f"ends in {Path(name).suffix!r}, which is none of {', '.join(FORMATS)}"
-        raise BadInput(source=source, field=field, problem=problem, remedy="Export the signals in one of these formats")
+        raise BadInput(source, field, problem, "Export the signals in one of these formats")
 
 
 def _module(path: Path) -> Any:
@@ -206,7 +205,7 @@ def rate_of_times(time: Array, source: str, field: str) -> float:
     """
 
     def refused(problem: str) -> BadInput:
-        return BadInput(source=source, field=field, problem=problem, remedy="Record at one rate and export every sample")
+        return BadInput(source, field, problem, "Record at one rate and export every sample")
 
     if len(time) < 2:
         raise refused(f"holds {len(time)} time stamps, and at least two are needed")
@@ -258,7 +257,7 @@ def require_lines(frequency: Array, source: str, field: str) -> None:
     if not np.all(good):
         k = int(np.argmin(good))
         problem = f"must be finite, not negative and ascend, found {frequency[k]:g} Hz in line {k + 1}"
-        raise BadInput(source=source, field=field, problem=problem, remedy="Correct the frequency axis")
+        raise BadInput(source, field, problem, "Correct the frequency axis")
 
 
 # Names of channels as variables of MATLAB.

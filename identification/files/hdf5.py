@@ -47,13 +47,13 @@ def opened(path: Path) -> Iterator[Any]:
         head = raw.read(8192)
     start = next((k for k in (0, 512, 1024, 2048, 4096) if head[k : k + 8] == SIGNATURE), None)
     if start is None:
-        raise BadInput(source=str(path), problem="it cannot be read as HDF5: it does not begin so", remedy=DAMAGED)
+        raise BadInput(str(path), "", "it cannot be read as HDF5: it does not begin so", DAMAGED)
     block = head[start : start + 64].ljust(64, b"\0")
     field, width = (40 if block[8] < 2 else 28) + 4 * (block[8] == 1), block[13] if block[8] < 2 else block[9]
     stated, found = int.from_bytes(block[field : field + 8], "little"), path.stat().st_size
     if width == 8 and stated != found:
         problem = f"it cannot be read as HDF5: it says that it is {stated} bytes long, found {found}"
-        raise BadInput(source=str(path), problem=problem, remedy=DAMAGED)
+        raise BadInput(str(path), "", problem, DAMAGED)
     try:
         with h5py.File(path, "r") as file:
             yield file
@@ -61,7 +61,7 @@ def opened(path: Path) -> Iterator[Any]:
         raise
     except Exception as error:  # h5py raises OSError, KeyError, RuntimeError, ValueError and more on damaged bytes
         first = next(iter(str(error).splitlines()), type(error).__name__)
-        raise BadInput(source=str(path), problem=f"it cannot be read as HDF5: {first}", remedy=DAMAGED) from None
+        raise BadInput(str(path), "", f"it cannot be read as HDF5: {first}", DAMAGED) from None
 
 
 def datasets(group: Any, source: str) -> dict[str, Any]:
@@ -89,7 +89,7 @@ def datasets(group: Any, source: str) -> dict[str, Any]:
     )
     for (start, size, name), (after, _, other) in pairwise(ranges):
         if start + size > after:
-            raise BadInput(source=source, field=other, problem=f"lies in the bytes of {name}", remedy=DAMAGED)
+            raise BadInput(source, other, f"lies in the bytes of {name}", DAMAGED)
     return found
 
 
@@ -103,7 +103,7 @@ def dataset(group: Any, name: str, source: str) -> Any:
     import h5py
 
     def refused(problem: str, remedy: str) -> BadInput:
-        return BadInput(source=source, field=name, problem=problem, remedy=remedy)
+        return BadInput(source, name, problem, remedy)
 
     link = group.get(name, getlink=True)
     if not isinstance(link, h5py.HardLink):
@@ -149,7 +149,7 @@ def number(group: Any, name: str, source: str) -> float:
     value = np.asarray(group.attrs[name]) if plain else np.zeros(0)
     if value.size != 1 or value.dtype.kind not in "fiu" or not np.isfinite(value.item()):
         problem = f"must be one finite number, found {value.tolist()!r}"
-        raise BadInput(source=source, field=name, problem=problem[:200], remedy="Write it as one number")
+        raise BadInput(source, name, problem[:200], "Write it as one number")
     return float(value.item())
 
 
@@ -163,7 +163,7 @@ def _is_plain(dtype: Any) -> bool:
 
 def _require_written(entry: Any, name: str, source: str) -> None:
     def refused(problem: str) -> BadInput:
-        return BadInput(source=source, field=name, problem=problem, remedy=DAMAGED)
+        return BadInput(source, name, problem, DAMAGED)
 
     steps = entry.chunks  # asked of the file each time
     if steps is None:
@@ -207,7 +207,7 @@ def read(path: Path) -> Signals:
         link = file.get("channels", getlink=True) if "channels" in file else None
         if not isinstance(link, h5py.HardLink) or not isinstance(file["channels"], h5py.Group):
             problem = "must be a group with one dataset a channel, found " + ("none" if link is None else "something else")
-            raise BadInput(source=source, field="channels", problem=problem, remedy="Write /channels/<name>")
+            raise BadInput(source, "channels", problem, "Write /channels/<name>")
         group = file["channels"]
         samples = {
             name: _one_dimensional(values(one, name, source), name, source) for name, one in datasets(group, source).items()
@@ -217,9 +217,9 @@ def read(path: Path) -> Signals:
     if (rate is None) == (lines is None):
         found = "neither" if rate is None else "both"
         problem = f"an attribute `sampling_rate` of the root or a dataset /frequency is needed, found {found}"
-        raise BadInput(source=source, field="sampling_rate", problem=problem, remedy="Write the one that fits the data")
+        raise BadInput(source, "sampling_rate", problem, "Write the one that fits the data")
     if rate is not None and rate <= 0:
-        raise BadInput(source=source, field="sampling_rate", problem=f"must be positive, found {rate:g}", remedy="Correct it")
+        raise BadInput(source, "sampling_rate", f"must be positive, found {rate:g}", "Correct it")
     if lines is not None:
         lines = _one_dimensional(lines, "frequency", source).real
         files.require_lines(lines, source, "frequency")
@@ -251,6 +251,5 @@ def _fill(path: Path, signals: Signals) -> None:
 def _one_dimensional(found: Samples, name: str, source: str) -> Samples:
     if found.ndim != 1:
         shape = " x ".join(map(str, found.shape)) or "a single number"
-        problem = f"must have one dimension, found {shape}"
-        raise BadInput(source=source, field=name, problem=problem, remedy="Write it as a vector")
+        raise BadInput(source, name, f"must have one dimension, found {shape}", "Write it as a vector")
     return found

@@ -61,7 +61,7 @@ def read_version_5(path: Path) -> dict[str, Samples]:
     # Its compressed elements are unpacked, and all of it is measured
     packed = path.read_bytes()
     if len(packed) < HEADER or packed[124:128] not in (b"\x00\x01IM", b"\x01\x00MI"):
-        raise BadInput(source=source, problem="it is no MAT file of version 5", remedy="Save it with -v7 or -v7.3")
+        raise BadInput(source, "", "it is no MAT file of version 5", "Save it with -v7 or -v7.3")
     order = _Order(sign="<" if packed[126:128] == b"IM" else ">")
     pieces, place, names, room = [packed[:HEADER]], HEADER, [], LARGEST_BYTES
     while place < len(packed):
@@ -74,23 +74,22 @@ def read_version_5(path: Path) -> dict[str, Samples]:
             try:
                 element = unpacker.decompress(body, room)
             except zlib.error as error:
-                raise BadInput(source=source, problem=f"a variable cannot be unpacked: {error}", remedy=DAMAGED) from None
+                raise BadInput(source, "", f"a variable cannot be unpacked: {error}", DAMAGED) from None
             if unpacker.unconsumed_tail:
                 raise files.too_large(source, room + 1)
             if not unpacker.eof or unpacker.unused_data:
-                raise BadInput(source=source, problem="a packed variable does not end where it says", remedy=DAMAGED)
+                raise BadInput(source, "", "a packed variable does not end where it says", DAMAGED)
         room -= len(element)
         name = _measured(element, order, source)
         if name in names:
-            raise BadInput(source=source, field=name, problem="two variables have this name", remedy="Save each once")
+            raise BadInput(source, name, "two variables have this name", "Save each once")
         names.append(name)
         pieces.append(element)
     content = b"".join(pieces)
     try:
         found = loadmat(BytesIO(content))  # mat_dtype=True would drop imaginary parts
     except Exception as error:  # scipy raises TypeError, ValueError, KeyError, struct.error and more
-        problem = f"it cannot be read as a MAT file: {str(error) or type(error).__name__}"
-        raise BadInput(source=source, problem=problem, remedy=DAMAGED) from None
+        raise BadInput(source, "", f"it cannot be read as a MAT file: {str(error) or type(error).__name__}", DAMAGED) from None
     return {name: np.asarray(values) for name, values in found.items() if not name.startswith("__")}
 
 
@@ -98,15 +97,14 @@ def _measured(element: bytes, order: _Order, source: str) -> str:
     """The name of the array in `element`, after flags, dimensions, name and numbers fill it exactly."""
     kind, size = order.words(_enough(element, 0, 8, source), 0, 2)
     if kind != MATRIX or size != len(element) - 8:
-        problem = f"an element of type {kind} and {size} bytes stands where a variable should"
-        raise BadInput(source=source, problem=problem, remedy=DAMAGED)
+        raise BadInput(source, "", f"an element of type {kind} and {size} bytes stands where a variable should", DAMAGED)
     flags, place = _part(element, 8, order, source)
     shape, place = _part(element, place, order, source)
     word, place = _part(element, place, order, source)
     name = word[1].decode("utf-8", errors="replace")
 
     def refused(problem: str, remedy: str = DAMAGED) -> BadInput:
-        return BadInput(source=source, field=name, problem=problem, remedy=remedy)
+        return BadInput(source, name, problem, remedy)
 
     if (flags[0], len(flags[1]), shape[0], word[0]) != (6, 8, 5, 1) or len(shape[1]) % 4:
         raise refused("its head is damaged")
@@ -131,7 +129,7 @@ def _part(element: bytes, place: int, order: _Order, source: str) -> tuple[tuple
     if first >> 16:
         size = first >> 16
         if size > 4:
-            raise BadInput(source=source, problem="a short element is too long", remedy=DAMAGED)
+            raise BadInput(source, "", "a short element is too long", DAMAGED)
         return (first & 0xFFFF, element[place + 4 : place + 4 + size]), place + 8
     size = order.words(element, place + 4, 1)[0]
     start = place + 8
@@ -141,7 +139,7 @@ def _part(element: bytes, place: int, order: _Order, source: str) -> tuple[tuple
 
 def _enough(content: bytes, place: int, size: int, source: str) -> bytes:
     if place + size > len(content):
-        raise BadInput(source=source, problem=f"it ends at byte {len(content)} in the middle of a variable", remedy=DAMAGED)
+        raise BadInput(source, "", f"it ends at byte {len(content)} in the middle of a variable", DAMAGED)
     return content
 
 
@@ -174,7 +172,7 @@ def variables(path: Path) -> dict[str, Samples]:
                 if word is not None and bytes(word) not in (b"double", b"single"):
                     said = bytes(word).decode("utf-8", errors="replace")
                     problem = f"is of class {said!r}, where an array of numbers is needed"
-                    raise BadInput(source=source, field=name, problem=problem, remedy="Save arrays of numbers only")
+                    raise BadInput(source, name, problem, "Save arrays of numbers only")
             # Its last index runs first in the file
             return {name: values(one, name, source).T for name, one in datasets(hdf5, source).items()}
     return read_version_5(path)
@@ -194,12 +192,12 @@ def read(path: Path) -> Signals:
     samples = {name: _vector(numbers, name, source) for name, numbers in found.items()}
     if len(axes) != 1:
         problem = f"one variable fs or frequency is needed, found {'both' if axes else 'neither'}"
-        raise BadInput(source=source, field="fs", problem=problem, remedy="Save the one that fits the data")
+        raise BadInput(source, "fs", problem, "Save the one that fits the data")
     if "fs" in axes:
         files.require_one_length(samples, None, source)
         rate = np.asarray(axes["fs"]).ravel()
         if rate.size != 1 or np.iscomplexobj(rate) or not 0 < rate[0] < np.inf:
-            raise BadInput(source=source, field="fs", problem="must be one positive number", remedy=DAMAGED)
+            raise BadInput(source, "fs", "must be one positive number", DAMAGED)
         return Signals(source=source, samples=samples, sampling_rate=float(rate[0]))
     lines = _vector(axes["frequency"], "frequency", source).real.astype(np.float64)
     files.require_lines(lines, source, "frequency")
@@ -223,7 +221,7 @@ def write(path: Path, signals: Signals) -> None:
 def _vector(numbers: Samples, name: str, source: str) -> Samples:
     if numbers.ndim > 2 or (numbers.ndim == 2 and 1 not in numbers.shape):
         shape = " x ".join(map(str, numbers.shape))
-        raise BadInput(source=source, field=name, problem=f"must be a vector, found {shape}", remedy="Save one vector a channel")
+        raise BadInput(source, name, f"must be a vector, found {shape}", "Save one vector a channel")
     return numbers.ravel().astype(np.complex128 if np.iscomplexobj(numbers) else np.float64)
 
 
@@ -239,6 +237,6 @@ def variables_of(signals: Signals, source: str) -> dict[str, float | Array | Sam
         good = called.isidentifier() and called.isascii() and called[0] != "_" and len(called) <= LONGEST_NAME
         if not good or called in found or called in ("fs", "frequency"):
             problem = f"cannot be a variable of MATLAB: {called!r}" + (" is another one already" if called in found else "")
-            raise BadInput(source=source, field=name, problem=problem, remedy="Rename the channel, or write .h5")
+            raise BadInput(source, name, problem, "Rename the channel, or write .h5")
         found[called] = samples[:, None]
     return found

@@ -53,7 +53,7 @@ class TextTable:
         if known.count(name) == 1:
             return known.index(name)
         problem = f"no column is called {name!r}" if name not in known else f"{known.count(name)} columns are called {name!r}"
-        raise BadInput(source=self.source, field=field, problem=problem, remedy=f"Columns are {', '.join(known)}")
+        raise BadInput(self.source, field, problem, f"Columns are {', '.join(known)}")
 
     def numbers(self, column: int) -> Samples:
         """(n,) float64, or complex128 where a cell has an imaginary part.
@@ -80,7 +80,7 @@ class TextTable:
 
     def _refused(self, row: int, column: int, problem: str) -> BadInput:
         name = self.header[column] if self.header else f"column {column + 1}"
-        return BadInput(source=self.source, field=name, problem=f"line {self.first + row}: {problem}", remedy=DAMAGED)
+        return BadInput(self.source, name, f"line {self.first + row}: {problem}", DAMAGED)
 
 
 def as_number(text: str) -> complex | None:
@@ -118,23 +118,22 @@ def read(path: Path, separator: str = "") -> TextTable:
     except UnicodeDecodeError:
         text = content.decode("latin-1")
     if "\0" in text:
-        raise BadInput(source=source, problem="it is no text: it holds zero bytes", remedy="Export the table as CSV")
+        raise BadInput(source, "", "it is no text: it holds zero bytes", "Export the table as CSV")
     lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
     chosen = {"tab": "\t", "space": " ", "comma": ",", "semicolon": ";"}.get(separator, separator)
     start = next((k for k, (_, line) in enumerate(lines[:MOST_HEAD]) if _is_row(line, chosen)), None)
     if start is None:
-        raise BadInput(source=source, problem="no row of numbers is found in it", remedy="State `separator`, or export it again")
+        raise BadInput(source, "", "no row of numbers is found in it", "State `separator`, or export it again")
     by = chosen or next(one for one in SEPARATORS if _is_row(lines[start][1], one))
     rows = [_cells(line, by) for _, line in lines[start:] if not line.lstrip().startswith(("#", "%"))]
     width = len(rows[0])
     odd = next((k for k, row in enumerate(rows) if len(row) != width), None)
     if odd is not None:
-        problem = f"line {lines[start + odd][0]} has {len(rows[odd])} columns, the first row {width}"
-        raise BadInput(source=source, problem=problem, remedy=DAMAGED)
+        raise BadInput(source, "", f"line {lines[start + odd][0]} has {len(rows[odd])} columns, the first row {width}", DAMAGED)
     above = [_cells(line.lstrip("#% "), by) for _, line in lines[:start]]
     if above and len(above[-1]) == width and "" in above[-1] and sum(as_number(one) is not None for one in above[-1]) > 1:
         problem = f"line {lines[start - 1][0]}: cell {above[-1].index('') + 1} of {width} is empty"
-        raise BadInput(source=source, problem=problem, remedy="A number is needed in each; leave out rows that have none")
+        raise BadInput(source, "", problem, "A number is needed in each; leave out rows that have none")
     header = next((words for words in reversed(above) if len(words) == width), ())
     return TextTable(source=source, header=tuple(header), cells=tuple(rows), first=lines[start][0])
 

@@ -74,7 +74,7 @@ def blocks(content: bytes, source: str) -> list[Dataset]:
         block, place = _block(content, place, len(found), source)
         found.append(block)
     if not found:
-        raise BadInput(source=source, problem="it is no universal file: it holds no dataset", remedy=DAMAGED)
+        raise BadInput(source, "", "it is no universal file: it holds no dataset", DAMAGED)
     return found
 
 
@@ -96,7 +96,7 @@ def column(line: str, start: int, width: int, kind: type[int] | type[float], wha
             raise ValueError
         return kind(text)
     except ValueError:
-        raise BadInput(source=source, field=what, problem=f"must be a number, found {text!r}", remedy=DAMAGED) from None
+        raise BadInput(source, what, f"must be a number, found {text!r}", DAMAGED) from None
 
 
 def _block(content: bytes, place: int, index: int, source: str) -> tuple[Dataset, int]:
@@ -104,14 +104,14 @@ def _block(content: bytes, place: int, index: int, source: str) -> tuple[Dataset
     if opening is None:
         found = content[place : place + 20]
         problem = f"byte {place + 1} stands outside of any dataset, at {found.decode('utf-8', errors='replace')!r}"
-        raise BadInput(source=source, problem=problem, remedy=DAMAGED)
+        raise BadInput(source, "", problem, DAMAGED)
     identity, place = _line(content, opening.end(), source)
     number = int(column(identity, 0, 6, int, f"dataset {index + 1}", source))
     if number == 58:
         return _function(content, place, identity, index, source)
     closing = _next_mark(content, place)
     if closing is None:
-        raise BadInput(source=source, problem=f"dataset {index + 1} does not end", remedy=DAMAGED)
+        raise BadInput(source, "", f"dataset {index + 1} does not end", DAMAGED)
     lines = content[place : closing.start()].decode("utf-8", errors="replace").splitlines()
     return Dataset(number=number, index=index, lines=tuple(lines)), closing.end()
 
@@ -125,7 +125,7 @@ def _function(content: bytes, place: int, identity: str, index: int, source: str
     kind, count, even = (int(column(lines[6], start, 10, int, name, source)) for start in (0, 10, 20))
     if kind not in REAL + COMPLEX or even not in (0, 1) or count < 0:
         problem = f"has the ordinate data type {kind}, {count} values and abscissa spacing {even}, which no dataset 58 has"
-        raise BadInput(source=source, field=name, problem=problem, remedy=DAMAGED)
+        raise BadInput(source, name, problem, DAMAGED)
     numbers = count * ((2 if kind in COMPLEX else 1) + (1 - even))
     if identity[6:7].lower() == "b":
         found, end, warnings = _binary(content, place, identity, numbers, 4 if kind in SINGLE else 8, name, source)
@@ -139,8 +139,7 @@ def _function(content: bytes, place: int, identity: str, index: int, source: str
         (found, end), warnings = _ascii(content, place, widths, numbers, name, source), ()
     closing = _CLOSING.match(content, end)
     if closing is None:
-        problem = f"does not end behind the {count} values that it promises"
-        raise BadInput(source=source, field=name, problem=problem, remedy=DAMAGED)
+        raise BadInput(source, name, f"does not end behind the {count} values that it promises", DAMAGED)
     return Dataset(number=58, index=index, lines=tuple(lines), numbers=found, warnings=warnings), closing.end()
 
 
@@ -153,15 +152,14 @@ def _binary(
     stated = int(column(identity, 31, 12, int, name, source))
     if order not in (1, 2) or floats != 2:
         problem = f"has byte order {order} and floating-point format {floats}, where 1 or 2 and 2 (IEEE 754) are read"
-        raise BadInput(source=source, field=name, problem=problem, remedy="Export it with IEEE 754 numbers, or as ASCII")
+        raise BadInput(source, name, problem, "Export it with IEEE 754 numbers, or as ASCII")
     if place + size > len(content):
-        raise BadInput(source=source, field=name, problem=f"promises {count} numbers, and the file ends before", remedy=DAMAGED)
+        raise BadInput(source, name, f"promises {count} numbers, and the file ends before", DAMAGED)
     numbers = np.frombuffer(content, f"{'<' if order == 1 else '>'}f{width}", count, place).astype(np.float64)
     if stated == size:
         return numbers, place + size, ()
     if stated * 2 != size:
-        problem = f"states {stated} bytes of numbers, and its header promises {size}"
-        raise BadInput(source=source, field=name, problem=problem, remedy=DAMAGED)
+        raise BadInput(source, name, f"states {stated} bytes of numbers, and its header promises {size}", DAMAGED)
     word = f"{source}: {name} states half of its bytes, as pyuff writes complex numbers; all of them were read"
     return numbers, place + size, (word,)
 
@@ -170,10 +168,10 @@ def _ascii(content: bytes, place: int, widths: list[int], count: int, name: str,
     """`count` numbers and where they end, after every line was measured."""
     closing = _next_mark(content, place)
     if closing is None:
-        raise BadInput(source=source, field=name, problem="does not end", remedy=DAMAGED)
+        raise BadInput(source, name, "does not end", DAMAGED)
     body = content[place : closing.start()]
     if _NUMBERS.fullmatch(body) is None:
-        raise BadInput(source=source, field=name, problem="holds something that is no number", remedy=DAMAGED)
+        raise BadInput(source, name, "holds something that is no number", DAMAGED)
     ends = [sum(widths[: k + 1]) for k in range(len(widths))]
     found, rows = 0, [row.rstrip(b"\r") for row in body.rstrip(b"\r\n").split(b"\n")] if count else []
     for k, row in enumerate(rows):
@@ -182,23 +180,23 @@ def _ascii(content: bytes, place: int, widths: list[int], count: int, name: str,
         length = len(row)
         if length not in ends or (length != len(rows[0]) and k + 1 < len(rows)):
             problem = f"line {k + 1} of its numbers has {length} characters where fields end at {', '.join(map(str, ends))}"
-            raise BadInput(source=source, field=name, problem=problem, remedy=DAMAGED)
+            raise BadInput(source, name, problem, DAMAGED)
         found += ends.index(length) + 1
     if found != count:
-        raise BadInput(source=source, field=name, problem=f"promises {count} numbers, found {found}", remedy=DAMAGED)
+        raise BadInput(source, name, f"promises {count} numbers, found {found}", DAMAGED)
     group = widths[:1] if len(set(widths)) == 1 else widths[: 3 if len(widths) == 3 else 2]
     try:
         cells = np.frombuffer(re.sub(rb"[dD]", b"E", b"".join(rows)), [(f"f{k}", f"S{width}") for k, width in enumerate(group)])
         fields = np.column_stack([cells[f"f{k}"].astype(np.float64) for k in range(len(group))]).ravel()
     except ValueError as error:
-        raise BadInput(source=source, field=name, problem=f"holds something that is no number: {error}", remedy=DAMAGED) from None
+        raise BadInput(source, name, f"holds something that is no number: {error}", DAMAGED) from None
     return fields, closing.start()
 
 
 def _line(content: bytes, place: int, source: str) -> tuple[str, int]:
     end = _LINE_END.search(content, place, place + 1000)
     if end is None:
-        raise BadInput(source=source, problem=f"a header is cut short at byte {place + 1}", remedy=DAMAGED)
+        raise BadInput(source, "", f"a header is cut short at byte {place + 1}", DAMAGED)
     return content[place : end.start()].decode("utf-8", errors="replace"), end.end()
 
 
@@ -259,8 +257,7 @@ def _dataset(number: str, lines: list[str]) -> bytes:
 
 def _function_block(name: str, samples: Samples, signals: Signals, binary: bool, source: str) -> bytes:
     if len(name) > LONGEST_LINE or name.strip() != name or name in ("", "NONE"):
-        problem = f"does not fit an id line of {LONGEST_LINE} characters"
-        raise BadInput(source=source, field=name, problem=problem, remedy="Rename the channel, or write .h5")
+        raise BadInput(source, name, f"does not fit an id line of {LONGEST_LINE} characters", "Rename the channel, or write .h5")
     is_spectrum = signals.frequency is not None
     kind = RESPONSE_FUNCTION if name in signals.places else SPECTRUM if is_spectrum else TIME_RESPONSE
     places = signals.places.get(name, (0, 0, 0, 0))
@@ -301,7 +298,7 @@ def _abscissa(signals: Signals, binary: bool, source: str) -> tuple[float, float
         return float(start), float(step), True
     if not binary and not _same(np.array([float(f"{one:13.5E}") for one in lines]), lines):
         problem = "has lines that the six digits of an ASCII universal file cannot say"
-        raise BadInput(source=source, field="frequency", problem=problem, remedy="Write 58b or .h5")
+        raise BadInput(source, "frequency", problem, "Write 58b or .h5")
     return 0.0, 0.0, False
 
 
@@ -344,7 +341,7 @@ def read(path: Path) -> Signals:
     found = blocks(path.read_bytes(), source)
     functions = [block for block in found if block.number == 58]
     if not functions:
-        raise BadInput(source=source, problem="it holds no dataset 58", remedy="Export the signals as dataset 58 or 58b")
+        raise BadInput(source, "", "it holds no dataset 58", "Export the signals as dataset 58 or 58b")
     kinds = {}
     for block in functions:
         name = block.lines[0].strip()
@@ -353,21 +350,19 @@ def read(path: Path) -> Signals:
             problem = (
                 f"has the function type {kinds[name]}, where {TIME_RESPONSE} (time response) or {SPECTRUM} (spectrum) is read"
             )
-            remedy = "Export the recorded signals, not what was made of them"
-            raise BadInput(source=source, field=name, problem=problem, remedy=remedy)
+            raise BadInput(source, name, problem, "Export the recorded signals, not what was made of them")
     if len(set(kinds.values())) > 1:
         odd = next(name for name in kinds if kinds[name] != next(iter(kinds.values())))
         problem = "is a spectrum beside time histories, or the other way round"
-        raise BadInput(source=source, field=odd, problem=problem, remedy="Put them into files of their own")
+        raise BadInput(source, odd, problem, "Put them into files of their own")
     kind = next(iter(kinds.values()))
     names = [block.lines[0].strip() for block in functions]
     for name in names:
         if name in ("", "NONE"):
-            problem = "a dataset 58 has no name in its first id line"
-            raise BadInput(source=source, problem=problem, remedy="Write the channel's name there")
+            raise BadInput(source, "", "a dataset 58 has no name in its first id line", "Write the channel's name there")
         if names.count(name) > 1:
             problem = f"{names.count(name)} datasets have this name in their first id line"
-            raise BadInput(source=source, field=name, problem=problem, remedy="Give every channel its own name")
+            raise BadInput(source, name, problem, "Give every channel its own name")
     sets = _headers(path, [block.index for block in functions], len(found))
     abscissae: list[Array] = []
     samples: dict[str, Samples] = {}
@@ -386,7 +381,7 @@ def read(path: Path) -> Signals:
             what = ", ".join(f"{key} {one[key]:g}" for key in differs) or "other abscissa values"
             theirs = ", ".join(f"{first[key]:g}" for key in differs)
             problem = f"has another axis than {names[0]}: {what}" + (f" instead of {theirs}" if theirs else "")
-            raise BadInput(source=source, field=name, problem=problem, remedy="Record all channels at one rate and length")
+            raise BadInput(source, name, problem, "Record all channels at one rate and length")
     files.require_one_length(samples, None, source)
     axis: dict[str, Any] = {}
     if kind == TIME_RESPONSE:
@@ -409,15 +404,13 @@ def _headers(path: Path, chosen: list[int], count: int) -> list[dict[str, Any]]:
         agreed = file.get_n_sets() == count
         sets = [file.read_sets(index, header_only=True) for index in chosen] if agreed else []
     except Exception as error:  # pyuff raises bare exceptions
-        problem = f"it cannot be read as a universal file: {error}"
-        raise BadInput(source=str(path), problem=problem, remedy=DAMAGED) from None
+        raise BadInput(str(path), "", f"it cannot be read as a universal file: {error}", DAMAGED) from None
     if agreed and any(one.get("type") != 58 or "z_axis_spec_data_type" not in one for one in sets):
-        raise BadInput(source=str(path), problem="a dataset 58 has a damaged header", remedy=DAMAGED)
+        raise BadInput(str(path), "", "a dataset 58 has a damaged header", DAMAGED)
     if any(not abs(one[key]) < LARGEST for one in sets for key in ("abscissa_min", "abscissa_inc")):
-        raise BadInput(source=str(path), problem="a dataset 58 has no finite abscissa", remedy=DAMAGED)
+        raise BadInput(str(path), "", "a dataset 58 has no finite abscissa", DAMAGED)
     if not agreed:
-        problem = f"its marks -1 tell {file.get_n_sets()} datasets apart where {count} are framed"
-        raise BadInput(source=str(path), problem=problem, remedy=DAMAGED)
+        raise BadInput(str(path), "", f"its marks -1 tell {file.get_n_sets()} datasets apart where {count} are framed", DAMAGED)
     return sets
 
 
@@ -427,8 +420,7 @@ def _rate(one: dict[str, Any], time: Array, functions: list[Dataset], names: lis
         return files.rate_of_times(time, source, "time")
     increment = float(one["abscissa_inc"])
     if not 0 < increment < np.inf:
-        problem = f"has the abscissa increment {increment:g} s"
-        raise BadInput(source=source, field=names[0], problem=problem, remedy="Export it with its sampling interval")
+        raise BadInput(source, names[0], f"has the abscissa increment {increment:g} s", "Export it with its sampling interval")
     # Half a unit of the last digit that the increment was printed with, at least `5` decimals behind an exponent
     digits = next((d for d in range(5, 17) if float(f"{increment:.{d}e}") == increment), 17)
     rounding = float(0.5 * 10.0 ** (np.floor(np.log10(increment)) - digits))
@@ -438,7 +430,7 @@ def _rate(one: dict[str, Any], time: Array, functions: list[Dataset], names: lis
         full = float(stated[1]) if stated and re.fullmatch(r"[-+.\deE]+", stated[1]) else None
         if full is not None and not low <= full <= high:
             problem = f"says {stated[0] if stated else ''!r}, and its increment is that of {low:.9g} to {high:.9g} Hz"
-            raise BadInput(source=source, field=name, problem=problem, remedy=DAMAGED)
+            raise BadInput(source, name, problem, DAMAGED)
         if full is not None:
             return full
     return files.roundest(low, high)
@@ -465,12 +457,12 @@ def units_of(block: Dataset, source: str) -> StatedUnits:
     """
     what = "dataset 164"
     if len(block.lines) < 2:
-        raise BadInput(source=source, field=what, problem="is cut short", remedy=DAMAGED)
+        raise BadInput(source, what, "is cut short", DAMAGED)
     code = int(column(block.lines[0], 0, 10, int, what, source))
     row = block.lines[1].replace("D", "E").replace("d", "e")
     length, force = (column(row, start, 25, float, what, source) for start in (0, 25))
     if not (0 < length < np.inf and 0 < force < np.inf):
-        raise BadInput(source=source, field=what, problem=f"has the factors {length:g} and {force:g}", remedy="Correct it")
+        raise BadInput(source, what, f"has the factors {length:g} and {force:g}", "Correct it")
     described = block.lines[0][10:30].strip()
     words = f"code {code}, {CODES.get(code, 'unknown')}" + (f", {described!r}" if described else "")
     return StatedUnits(length=1 / length, force=1 / force, words=words)

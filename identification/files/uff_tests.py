@@ -90,16 +90,14 @@ class Function:
         what = f"the function of node {self.response.node}"
         if self.inverted and not inverted:
             remedy = "Write inverted = true, or export response over force"
-            raise BadInput(source=source, field="functions", problem=f"{what} is force over {self.quantity}", remedy=remedy)
+            raise BadInput(source, "functions", f"{what} is force over {self.quantity}", remedy)
         if inverted and self.inverted is False:
-            problem = f"{what} is response over force already"
-            raise BadInput(source=source, field="inverted", problem=problem, remedy="Take inverted = true out")
+            raise BadInput(source, "inverted", f"{what} is response over force already", "Take inverted = true out")
         if unit is None and self.doubt:
-            problem = f"{what} {self.doubt}"
-            raise BadInput(source=source, field="unit", problem=problem, remedy='Write which it is, such as unit = "g/N"')
+            raise BadInput(source, "unit", f"{what} {self.doubt}", 'Write which it is, such as unit = "g/N"')
         if unit is not None and not self.doubt and self.factor and abs(unit / self.factor - 1) > SAME_UNIT:
             problem = f"is {unit:g} in SI, and the file says {self.factor:g} for {what.removeprefix('the ')}"
-            raise BadInput(source=source, field="unit", problem=problem, remedy="Take `unit` out, or correct the file")
+            raise BadInput(source, "unit", problem, "Take `unit` out, or correct the file")
         factor = self.factor if unit is None and self.factor is not None else 1.0
         return self.values / factor if inverted else factor * self.values
 
@@ -191,8 +189,7 @@ def read(path: Path) -> ModalFile:
     responses = tuple(one for one in functions if one.kind == RESPONSE_FUNCTION)
     if over and not responses:
         problem = f"it holds no response function (function type {RESPONSE_FUNCTION}), only {', '.join(over)}"
-        remedy = "Export response functions, or state `records` if it holds time histories"
-        raise BadInput(source=source, field="functions", problem=problem, remedy=remedy)
+        raise BadInput(source, "functions", problem, "Export response functions, or state `records` if it holds time histories")
     warnings = [f"{source}: {count} functions are passed over: {what}" for what, count in over.items()]
     return ModalFile(
         source=source,
@@ -221,7 +218,7 @@ def point(at: NodeAxis, file: ModalFile, places: Mapping[str, Any], direction: s
     axis = at.axis or direction
     if not axis:
         remedy = 'Write direction = "z" in the test, or export with directions'
-        raise BadInput(source=file.source, field=f"node {at.node}", problem="has no direction", remedy=remedy)
+        raise BadInput(file.source, f"node {at.node}", "has no direction", remedy)
     place, position = str(places.get(str(at.node), f"node {at.node}")), file.nodes.get(at.node)
     where: dict[str, Any] = {} if position is None else {"position": position.tolist()}
     if at.axis and at.node in file.axes:
@@ -247,8 +244,7 @@ def _numbers(text: str, count: int, what: str, source: str) -> Array:
     except ValueError:
         found = np.zeros(0)
     if found.shape != (count,) or not np.all(np.abs(found) < files.LARGEST):
-        problem = f"must have {count} coordinates, found {text.strip()[:60]!r}"
-        raise BadInput(source=source, field=what, problem=problem, remedy=DAMAGED)
+        raise BadInput(source, what, f"must have {count} coordinates, found {text.strip()[:60]!r}", DAMAGED)
     return found
 
 
@@ -264,7 +260,7 @@ def _systems(block: Dataset, known: Mapping[int, System], source: str, length: f
     while lines and not lines[-1].strip():
         lines.pop()
     if len(lines) % each:
-        raise BadInput(source=source, field=what, problem="is cut short", remedy=DAMAGED)
+        raise BadInput(source, what, "is cut short", DAMAGED)
     found: dict[int, System] = {}
     numbered = {*known, *(_system(line, 0, what, source) for line in lines[::each])}
     for k in range(0, len(lines), each):
@@ -278,15 +274,14 @@ def _systems(block: Dataset, known: Mapping[int, System], source: str, length: f
         else:
             rows, origin = numbers[:3], numbers[3]
         if not np.allclose(rows @ rows.T, np.eye(3), atol=1e-4):
-            problem = f"the axes of system {number} are no right angles"
-            raise BadInput(source=source, field=what, problem=problem, remedy=CARTESIAN_SYSTEMS)
+            raise BadInput(source, what, f"the axes of system {number} are no right angles", CARTESIAN_SYSTEMS)
         origin, rows = origin * length, rows / np.linalg.norm(rows, axis=1, keepdims=True)
         reference = _system(lines[k], 20, what, source) if block.number == 18 else 0
         if reference != number and reference in numbered:
             of, start, turn = {**known, **found}.get(reference, (None, origin, rows))
             if of != CARTESIAN:
                 problem = f"system {number} is stated in system {reference}, which is not Cartesian or comes behind it"
-                raise BadInput(source=source, field=what, problem=problem, remedy=CARTESIAN_SYSTEMS)
+                raise BadInput(source, what, problem, CARTESIAN_SYSTEMS)
             origin, rows = start + origin @ turn, rows @ turn
         found[number] = kind, origin, rows
     return found
@@ -299,7 +294,7 @@ def _nodes(
     what = f"dataset {block.number}"
     lines = [line for line in block.lines if line.strip()]
     if block.number != 15 and len(lines) % 2:
-        raise BadInput(source=source, field=what, problem="is cut short", remedy=DAMAGED)
+        raise BadInput(source, what, "is cut short", DAMAGED)
     one_line = [(line[:40], line[40:]) for line in lines]
     pairs = one_line if block.number == 15 else list(zip(lines[::2], lines[1::2], strict=True))
     for head, text in pairs:
@@ -308,8 +303,7 @@ def _nodes(
         defined, moved = (_system(head, start, what, source) for start in (10, 20))
         for used in (moved, defined if block.number == 15 else moved):
             if used in systems and systems[used][0] not in (CARTESIAN, CYLINDRICAL):
-                problem = f"node {number} is in system {used}, of type {systems[used][0]}"
-                raise BadInput(source=source, field=what, problem=problem, remedy=CARTESIAN_SYSTEMS)
+                raise BadInput(source, what, f"node {number} is in system {used}, of type {systems[used][0]}", CARTESIAN_SYSTEMS)
         place = at * length
         if block.number == 15 and defined in systems:  # those of 781 and 2411 are global
             kind, origin, rows = systems[defined]
@@ -333,7 +327,7 @@ def _function(block: Dataset, source: str, per_newton: float | None) -> Function
     name = uff.title(block.lines[0], block.index)
 
     def refused(problem: str, remedy: str) -> BadInput:
-        return BadInput(source=source, field=name, problem=problem, remedy=remedy)
+        return BadInput(source, name, problem, remedy)
 
     head = block.lines[5]
     kind = int(column(head, 0, 5, int, name, source))
@@ -418,8 +412,7 @@ def _at(head: str, node: int, direction: int, name: str, source: str) -> NodeAxi
     number = int(column(head, node, 10, int, name, source))
     along = int(column(head, direction, 4, int, name, source))
     if abs(along) > 6:
-        problem = f"is along the direction {along}, where 1 to 3 (x, y, z) are read"
-        raise BadInput(source=source, field=name, problem=problem, remedy=DAMAGED)
+        raise BadInput(source, name, f"is along the direction {along}, where 1 to 3 (x, y, z) are read", DAMAGED)
     if abs(along) > 3:
         return NodeAxis(node=number, axis="rotation")
     return NodeAxis(node=number, axis=("-" if along < 0 else "") + AXES[abs(along) - 1] if along else "")
@@ -430,7 +423,7 @@ def _mode(block: Dataset, source: str) -> Mode | None:
     name = f"dataset {block.index + 1}"
 
     def refused(problem: str, remedy: str = DAMAGED) -> BadInput:
-        return BadInput(source=source, field=name, problem=problem, remedy=remedy)
+        return BadInput(source, name, problem, remedy)
 
     lines, newer = block.lines, block.number == 2414
     kinds, real, body = (8, 11, 13) if newer else (5, 7, 8)  # lines of the kinds, of the first real numbers, of the shape

@@ -505,8 +505,7 @@ def assembled(evidence: Evidence, settings: Settings) -> Assembly:
     if own is None and evidence.facts:
         fact = evidence.facts[0]
         problem = "it is about the article alone, and nothing tells the FMD from the article"
-        remedy = "Give a tare, or the FMD's inertia"
-        raise BadInput(source=fact.source or "facts", field=fact.quantity, problem=problem, remedy=remedy)
+        raise BadInput(fact.source or "facts", fact.quantity, problem, "Give a tare, or the FMD's inertia")
     start = whole.ten if own is None else whole.ten - own[1]
     blocks.append(block("article", PARAMETERS, start))
     standing = (Body(block="article"),) if own is None else (own[0], Body(block="article"))

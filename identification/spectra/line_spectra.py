@@ -101,11 +101,10 @@ def full_record(signals: npt.ArrayLike, sampling_rate: float, frequency: npt.Arr
     x, lines = np.asarray(signals, dtype=np.float64), np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     if x.ndim < 1 or len(x) < 2 or not np.all(np.isfinite(x)):
         found = f"{len(x)} samples" if x.ndim and len(x) < 2 else "NaN or infinity"
-        problem = f"a record of finite samples is needed, found {found}"
-        raise BadInput(source=source, field="signals", problem=problem, remedy="Check it")
+        raise BadInput(source, "signals", f"a record of finite samples is needed, found {found}", "Check it")
     if not np.all((lines >= 0) & (lines <= sampling_rate / 2)):
         problem = f"lines end at half the sampling rate, {sampling_rate / 2:g} Hz, found {lines.min():g} to {lines.max():g} Hz"
-        raise BadInput(source=source, field="frequency", problem=problem, remedy="Ask for lines within, or record faster")
+        raise BadInput(source, "frequency", problem, "Ask for lines within, or record faster")
     steps = np.diff(lines)
     even = len(lines) > 2 and bool(np.all(np.abs(steps - steps.mean()) <= EVEN * steps.mean()))
     if even and (folded := _folded(x.reshape(len(x), -1), lines, steps.mean(), sampling_rate)) is not None:

@@ -127,7 +127,7 @@ def reference_channel(table: ChannelTable, run: Run, recorded: Recording) -> str
     chosen = pilots or below or above
     if not chosen:
         remedy = "Mark one with reference = true, or use full-record spectra"
-        raise BadInput(source="channel", field="reference", problem="no channel can serve as reference", remedy=remedy)
+        raise BadInput("channel", "reference", "no channel can serve as reference", remedy)
     if not run.axis:
         return table.names[chosen[int(np.argmax(np.std(recorded.values[:, chosen].real, axis=0)))]]
     seen = np.abs(motion_rows([table.channels[k] for k in chosen], table.origin))
@@ -160,7 +160,7 @@ def _restricted(lines: Array, band: tuple[float, float] | None, source: str) -> 
     chosen = lines[(lines >= low - slack) & (lines <= high + slack)]
     if not low < high or not len(chosen):
         problem = f"{low:g} to {high:g} Hz holds none of the lines from {lines[0]:g} to {lines[-1]:g} Hz"
-        raise BadInput(source=source, field="band", problem=problem, remedy="Choose a band within, lowest frequency first")
+        raise BadInput(source, "band", problem, "Choose a band within, lowest frequency first")
     return chosen
 
 
@@ -257,7 +257,7 @@ def _beyond_drive(campaign: Campaign, lines: Array) -> tuple[str, ...]:
 
 
 def _refused(campaign: Campaign, field: str, problem: str, remedy: str) -> BadInput:
-    return BadInput(source=campaign.source, field=field, problem=problem, remedy=remedy)
+    return BadInput(campaign.source, field, problem, remedy)
 
 
 # Which lines of a campaign its runs drive: a line that a run does not drive holds noise, and no model is judged by noise.
@@ -289,7 +289,7 @@ def stated_drives(campaign: Campaign) -> tuple[float, float] | None:
         said = ", ".join(f"{name} drives {of[0]:g} to {of[1]:g} Hz" for name, of in ends.items())
         problem = f"all runs together drive none of the lines from {lines[0]:g} to {lines[-1]:g} Hz: {said}"
         remedy = "Correct start_hz and stop_hz, or choose the lines with --band LOW HIGH"
-        raise BadInput(source=campaign.source, field="run.excitation", problem=problem, remedy=remedy)
+        raise BadInput(campaign.source, "run.excitation", problem, remedy)
     return low, high
 
 

@@ -147,7 +147,7 @@ def _lines_of(block: Array, window: Array, first: int, count: int) -> ComplexArr
 
 
 def _refused(source: str, field: str, problem: str, remedy: str) -> BadInput:
-    return BadInput(source=source, field=field, problem=problem, remedy=remedy)
+    return BadInput(source, field, problem, remedy)
 
 
 # A mode that still rings when its record ends: what the cut makes of its resonance, and how to look at it by itself.

@@ -133,18 +133,17 @@ def shaken(
     for name, channel in zip([*forces, *read], np.hstack([f, x]).T, strict=True):
         if clipped(channel):
             problem = "is clipped: it stays at the end of its range, or ends there again and again"
-            raise BadInput(source=source, field=name, problem=problem, remedy="Record it again in a wider range")
+            raise BadInput(source, name, problem, "Record it again in a wider range")
     size = round((block or len(f) / rate / BLOCKS) * rate)
     step = max(1, round(size * (1 - overlap)))
     count = (len(f) - size) // step + 1
     if size < 8 or count < 1 or not 0 <= overlap < 1:
         problem = f"{block:g} s with an overlap of {overlap:g} does not fit into a record of {len(f) / rate:g} s"
-        raise BadInput(source=source, field="records.block", problem=problem, remedy="Give a shorter one")
+        raise BadInput(source, "records.block", problem, "Give a shorter one")
     try:
         w = np.asarray(get_window(window, size), dtype=np.float64)
     except (ValueError, TypeError):
-        remedy = "Write hann, flattop or boxcar"
-        raise BadInput(source=source, field="records.window", problem=f"no window is called {window!r}", remedy=remedy) from None
+        raise BadInput(source, "records.window", f"no window is called {window!r}", "Write hann, flattop or boxcar") from None
     starts = step * np.arange(count)
     both = np.column_stack([f, x])
     pieces = np.stack([both[k : k + size] for k in starts])
@@ -156,8 +155,7 @@ def shaken(
     lines = np.asarray(np.fft.rfftfreq(size, 1 / rate)[1:], dtype=np.float64)
     if several > 1 and (estimator != H1 or averages < several + 1):
         problem = f"{estimator} of {averages:.0f} averages does not tell {several} forces at a time apart"
-        remedy = f"Take H1, of {several + 1} blocks or more, or a file for each force"
-        raise BadInput(source=source, field="records", problem=problem, remedy=remedy)
+        raise BadInput(source, "records", problem, f"Take H1, of {several + 1} blocks or more, or a file for each force")
     values, coherence = _averaged(spectra[:, :, :several], spectra[:, :, several:], estimator, source)
     averages -= several - 1
     said = [f"{one}; take a longer block" for one in _unresolved(lines, np.hstack(list(values)), window, end)]
@@ -195,14 +193,13 @@ def _averaged(F: ComplexArray, X: ComplexArray, estimator: str, source: str) -> 
     S_xf, S_xx = np.einsum("bnc,bnr->nrc", X, F.conj()) / count, np.mean(np.abs(X) ** 2, axis=0)
     own = np.einsum("nrr->nr", S_ff).real
     if np.any(own <= tiny):
-        remedy = "Look at the record"
-        raise BadInput(source=source, field="force", problem="drives nothing at some lines", remedy=remedy)
+        raise BadInput(source, "force", "drives nothing at some lines", "Look at the record")
     scale = np.sqrt(own)
     alone = np.linalg.inv(S_ff / scale[:, :, None] / scale[:, None, :] + 1e-9 * np.eye(F.shape[2]))  # of copies there is none
     apart = 1 / np.maximum(np.einsum("nrr->nr", alone).real, 1.0)
     if (least := float(apart.mean(axis=0).min())) < APART:
         problem = f"{F.shape[2]} forces are as one: others explain {100 * (1 - least):.1f} % of one of them"
-        raise BadInput(source=source, field="drive", problem=problem, remedy="Drive them by independent signals, or one by one")
+        raise BadInput(source, "drive", problem, "Drive them by independent signals, or one by one")
     values = np.einsum("nrs,nsc->nrc", (alone / scale[:, :, None] / scale[:, None, :]).transpose(0, 2, 1), S_xf)
     left = np.maximum(S_xx - np.einsum("nrc,nrc->nc", values, S_xf.conj()).real, 0.0)[:, None]
     power = np.abs(values) ** 2 * (own * apart)[:, :, None]
@@ -217,9 +214,9 @@ def _averaged(F: ComplexArray, X: ComplexArray, estimator: str, source: str) -> 
 def _require_alive(force: Array, responses: Array, source: str) -> None:
     for name, channel in (("force", force), ("response", responses)):
         if not np.all(np.isfinite(channel)):
-            raise BadInput(source=source, field=name, problem="holds NaN or infinity", remedy="Export the record again")
+            raise BadInput(source, name, "holds NaN or infinity", "Export the record again")
         if np.any(np.ptp(channel, axis=0) == 0):
-            raise BadInput(source=source, field=name, problem="is silent: it never changes", remedy="Look at its cable")
+            raise BadInput(source, name, "is silent: it never changes", "Look at its cable")
 
 
 def clipped(channel: Array) -> bool:
@@ -309,7 +306,7 @@ def blows(
     hardest = float(np.max(sign * f))
     if hardest <= max(quiet, 0.0):
         problem = f"no blow stands out of its noise: its largest value is {hardest:.3g}"
-        raise BadInput(source=source, field="force", problem=problem, remedy="Check trigger, cable and channel")
+        raise BadInput(source, "force", problem, "Check trigger, cable and channel")
     over = np.flatnonzero(sign * f > HIT * hardest)
     # Peaks that lie closer than what a block takes belong to one blow
     least = round(block * rate * (1 - BEFORE)) if block else len(f) // 50
@@ -330,7 +327,7 @@ def blows(
         found.append(Blow(at=k / rate, force=own, responses=answer, fault=_fault(sign * own, answer, quiet, names)))
     if not found:
         problem = f"a block of {block:g} s does not fit behind any blow of a record of {len(f) / rate:g} s"
-        raise BadInput(source=source, field="records.block", problem=problem, remedy="Give a shorter one")
+        raise BadInput(source, "records.block", problem, "Give a shorter one")
     return found
 
 
@@ -375,8 +372,7 @@ def struck(found: Sequence[Blow], rate: float, *, decay: float = 0.0, estimator:
     warnings = [f"{source}: the blow at {one.at:.4g} s is left out, {one.fault}" for one in found if one.fault]
     if not good:
         said = "; ".join(f"at {one.at:.4g} s {one.fault}" for one in found)
-        problem = f"none of {len(found)} blows can be used: {said}"
-        raise BadInput(source=source, field="force", problem=problem, remedy="Strike again")
+        raise BadInput(source, "force", f"none of {len(found)} blows can be used: {said}", "Strike again")
     size = min(len(one.force) for one in good)
     time = np.arange(size) / rate
     window = np.exp(-time / decay) if decay > 0 else np.ones(size)

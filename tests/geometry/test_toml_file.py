@@ -112,8 +112,8 @@ def test_what_ships_is_said_where_nothing_can_be_read(
 
 
 def test_a_refusal_ends_with_one_mark_only() -> None:
-    asked = BadInput(source="a.toml", field="k", problem="is unknown", remedy="Did you mean l? ")
-    told = BadInput(source="a.toml", field="k", problem="is unknown", remedy="Write l.")
+    asked = BadInput("a.toml", "k", "is unknown", "Did you mean l? ")
+    told = BadInput("a.toml", "k", "is unknown", "Write l.")
     assert (str(asked), str(told)) == ("a.toml: `k`: is unknown. Did you mean l?", "a.toml: `k`: is unknown. Write l.")
 
 

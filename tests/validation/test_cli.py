@@ -51,7 +51,7 @@ def test_a_command_that_returns_is_done_or_ends_early_with_its_own_exit_code(pro
     ("error", "code", "words"),
     [
         (
-            BadInput(source="a.toml", field="mass", problem="must be positive, found -1", remedy="Check it"),
+            BadInput("a.toml", "mass", "must be positive, found -1", "Check it"),
             2,
             "a.toml: `mass`: must be",
         ),

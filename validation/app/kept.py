@@ -267,8 +267,7 @@ def moved(text: str, model: Path, to: Path) -> str:
         problem = (
             "the paths of your own models do not stand one a line in [structure.own], and cannot be said from another folder"
         )
-        remedy = 'Write "article" = "path" on lines there'
-        raise BadInput(source=str(model), field="structure.own", problem=problem, remedy=remedy)
+        raise BadInput(str(model), "structure.own", problem, 'Write "article" = "path" on lines there')
     return found
 
 

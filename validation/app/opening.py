@@ -124,12 +124,11 @@ def made(name: str, progress: Progress | None = None) -> Series:
     if of is None:
         known = [one.name for one in EXAMPLES]
         remedy = f"{toml_file.nearest(name, known)}Known are {', '.join(known)}"
-        raise BadInput(source="example", field=name, problem="no example is called so", remedy=remedy)
+        raise BadInput("example", name, "no example is called so", remedy)
     there = cache.folder()
     if there is None:
         problem = "there is no folder in which it could be kept"
-        remedy = "Name a folder in the environment variable MASSLINE_CACHE"
-        raise BadInput(source="example", field=of.name, problem=problem, remedy=remedy)
+        raise BadInput("example", of.name, problem, "Name a folder in the environment variable MASSLINE_CACHE")
     made_of = json_text({"version": version("massline"), **asdict(of)})
     folder = there / "examples" / f"{of.name}-{sha256(made_of.encode()).hexdigest()[:12]}"
     if not folder.exists():
@@ -257,8 +256,7 @@ def _reduce(path: str) -> None:
     BadInput : there is none, or it is none.
     """
     if not only_files((path,)):
-        remedy = "Name campaign folders, and weigh, cog and pendulum files"
-        raise BadInput(source=path, problem="there is no such file or folder", remedy=remedy)
+        raise BadInput(path, "", "there is no such file or folder", "Name campaign folders, and weigh, cog and pendulum files")
     file = classical_files.read(path, tuple(REDUCED))
     REDUCED[file.text("kind")](file)
 
@@ -422,8 +420,7 @@ def sorted_out(folder: str | Path) -> Received:
     """
     where = Path(folder)
     if not where.is_dir():
-        problem = "there is no such folder"
-        raise BadInput(source=str(folder), problem=problem, remedy="Name the folder of a campaign or of a series")
+        raise BadInput(str(folder), "", "there is no such folder", "Name the folder of a campaign or of a series")
     models: list[str] = []
     data: list[str] = []
     for path in _looked_through(where, DEEP):
@@ -484,7 +481,7 @@ def _folded(parts: Sequence[str]) -> tuple[str, ...]:
 
 
 def _refused(name: str, problem: str) -> BadInput:
-    return BadInput(source=SOURCE, field=_shown(name), problem=problem, remedy="Rename it, and hand it over again")
+    return BadInput(SOURCE, _shown(name), problem, "Rename it, and hand it over again")
 
 
 def _shown(name: str) -> str:

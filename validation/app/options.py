@@ -84,13 +84,13 @@ def opened(
 
         known = [one.name for one in EXAMPLES]
         if example not in known:
-            raise BadInput(source="--example", problem=f"there is none called {example}", remedy=f"Known are {', '.join(known)}")
+            raise BadInput("--example", "", f"there is none called {example}", f"Known are {', '.join(known)}")
     if example is not None and model is not None:
         problem = f"an example brings its own model and data, found MODEL {model} beside it"
-        raise BadInput(source="--example", problem=problem, remedy="Give one of the two")
+        raise BadInput("--example", "", problem, "Give one of the two")
     if model is not None and not data and Path(model).exists() and not toml_file.holds(Path(model), "test"):
         remedy = "Name a campaign folder or the file of a test"
-        raise BadInput(source="DATA", problem=f"nothing stands behind the model {model}, and it names no [[test]]", remedy=remedy)
+        raise BadInput("DATA", "", f"nothing stands behind the model {model}, and it names no [[test]]", remedy)
     from validation.study import Options
 
     asked = Options(
@@ -116,7 +116,7 @@ def is_loopback(host: str) -> bool:
 
 def _absolute(path: str) -> str:
     if not Path(path).exists():
-        raise BadInput(source=path, problem="there is no such file or folder", remedy="Check the path")
+        raise BadInput(path, "", "there is no such file or folder", "Check the path")
     return str(Path(path).absolute())
 
 

@@ -73,8 +73,7 @@ def the_campaign(of: Session, name: str) -> Campaign:
     """
     known = of.campaigns()
     if name not in known:
-        remedy = f"{keys_nearest(name, known)}Known are {', '.join(known)}"
-        raise BadInput(source="campaign", field=name, problem="no campaign is called so", remedy=remedy)
+        raise BadInput("campaign", name, "no campaign is called so", f"{keys_nearest(name, known)}Known are {', '.join(known)}")
     return campaign_file.read_description(known[name])
 
 
@@ -204,11 +203,10 @@ def shape(of: Session, found: Compared, campaign: str, number: int) -> Shape:
         problem = (
             f"it has modes 0 to {len(modes) - 1}, found {number}" if modes else "it has no modes: what stands there is rigid"
         )
-        raise BadInput(source=campaign, field="mode", problem=problem, remedy="Choose one of them")
+        raise BadInput(campaign, "mode", problem, "Choose one of them")
     if model.kind != BEAM or standing.article in model.own or not set(standing.article.split("+")) <= set(NAMES):
         problem = "its bodies are not known: it is rigid, or a model of your own"
-        remedy = "Look at the curves; its frequency stands there"
-        raise BadInput(source=standing.article, field="mode", problem=problem, remedy=remedy)
+        raise BadInput(standing.article, "mode", problem, "Look at the curves; its frequency stands there")
     bodies = _of_beams(standing.article, tuple(sorted(changes_of(standing.article, model.changes).items())), model.modes)
     from scipy.linalg import eigh
 
@@ -295,7 +293,7 @@ class ShownStructure:
         nodes, moved = (np.zeros((0, 3)), np.zeros((0, 3), dtype=np.intp)) if whole is None else whole.nodes()
         if whole is None or not len(nodes):
             problem = "its structure is no mesh, so there is nothing to be drawn"
-            raise BadInput(source=name, problem=problem, remedy="Look at the curves and the MAC")
+            raise BadInput(name, "", problem, "Look at the curves and the MAC")
         every = one.table.sensors if isinstance(one, TableFrequencies | TableShapes) else ()
         if isinstance(one, ResponseFunctionTest):
             every = (*one.responses, *(each for each in one.drives if each.name not in {at.name for at in one.responses}))

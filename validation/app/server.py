@@ -494,7 +494,7 @@ def run(asked: WorkbenchOptions, say: Callable[[str], None]) -> None:
         listening = socket.create_server((asked.host, asked.port), family=family)
     except (OSError, OverflowError) as error:
         problem = f"{asked.host}:{asked.port} cannot be listened on: {getattr(error, 'strerror', None) or error}"
-        raise BadInput(source="--port", problem=problem, remedy="Choose another port, or 0 for any that is free") from None
+        raise BadInput("--port", "", problem, "Choose another port, or 0 for any that is free") from None
     options.adopting()
     with listening as bound, tempfile.TemporaryDirectory(prefix="massline-app-") as home:
         asyncio.run(_served(asked, bound, Path(home), say))

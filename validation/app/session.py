@@ -473,7 +473,7 @@ class Session:
         beside = history.path_beside(self.model)
         if not beside.exists():
             problem = "there is none yet: a comparison makes its first rung"
-            raise BadInput(source="ladder", problem=problem, remedy="Compare the model with its data")
+            raise BadInput("ladder", "", problem, "Compare the model with its data")
         to = Path(self.asked.model)
         return history.text(moved_ladder(history.read(beside), self.model, to), to.name)
 
@@ -606,10 +606,10 @@ def begun(
     """
     where = Path(folder).resolve()
     if where.exists() and (not where.is_dir() or any(one.name != "given" for one in where.iterdir())):
-        raise BadInput(source=str(folder), problem="it is there already and not empty", remedy="Name a new folder for the desk")
+        raise BadInput(str(folder), "", "it is there already and not empty", "Name a new folder for the desk")
     require_band(band)
     if method not in METHODS:
-        raise BadInput(source="method", problem=f"no method is called {method!r}", remedy=f"Known are {', '.join(METHODS)}")
+        raise BadInput("method", "", f"no method is called {method!r}", f"Known are {', '.join(METHODS)}")
     # Whether `name` is a path of the `data`, not that of a run beside which some file of that name happens to lie
     asked = Options(
         model=str(Path(model).resolve()),
@@ -687,8 +687,7 @@ def _read(path: Path) -> dict[str, Any]:
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
-        problem = "there is no desk here"
-        raise BadInput(source=str(path.parent), problem=problem, remedy="Begin one with a model and data") from None
+        raise BadInput(str(path.parent), "", "there is no desk here", "Begin one with a model and data") from None
     except (ValueError, RecursionError):
         raise _damaged(path.parent, f"its {path.name} cannot be read") from None
     if not isinstance(found, dict):
@@ -697,7 +696,7 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _damaged(folder: Path, problem: str) -> BadInput:
-    return BadInput(source=str(folder), problem=problem, remedy="Begin a new desk; the user's own files were never changed")
+    return BadInput(str(folder), "", problem, "Begin a new desk; the user's own files were never changed")
 
 
 def _tested(model: Model, of: KeptSpectra) -> TestedCampaign:

@@ -332,7 +332,7 @@ def _copied(folder: Path) -> Path:
     """
     place = cache.folder()
     if place is None:
-        raise BadInput(source="workbench", problem="there is no folder for a cache", remedy="Set MASSLINE_CACHE")
+        raise BadInput("workbench", "", "there is no folder for a cache", "Set MASSLINE_CACHE")
     name = f"{folder.parent.name}-{folder.name}"
     to = next(
         one for one in (place / PLACE / f"{name}{end}" for end in chain([""], (f"-{k}" for k in count(1)))) if not one.exists()

@@ -85,7 +85,7 @@ async def _opened(window: WindowState, refused: Sequence[Fault]) -> None:
                 low, high = (float(word) for word in words)
             except ValueError:
                 problem = f"two frequencies [Hz] are expected, found {text!r}"
-                raise BadInput(source="--band", problem=problem, remedy="Write for example 4 32") from None
+                raise BadInput("--band", "", problem, "Write for example 4 32") from None
             band = low, high
         hold_out = tuple(name.strip() for name in str(state.hold_out or "").split(",") if name.strip())
     except BadInput as error:
@@ -214,7 +214,7 @@ async def figures(window: WindowState) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         paths = await window.aside(session.draw, folder, tell)
         if not paths:
-            raise BadInput(source="figures", problem="there is nothing to draw yet", remedy="Compare first")
+            raise BadInput("figures", "", "there is nothing to draw yet", "Compare first")
         with zipfile.ZipFile(_kept(session) / FIGURES, "w") as archive:
             for path in paths:
                 archive.write(path, path.name)

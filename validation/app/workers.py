@@ -133,8 +133,7 @@ def start(of: Session, kind: str, **asked: Any) -> Worker:
         raise ValueError(f"`kind` must be one of {', '.join(KINDS)}, found {kind!r}")
     running = _at_work.get(of.folder)
     if running is not None and not running.job().ended:
-        problem = f"it is at work already: {running.kind}"
-        raise BadInput(source="desk", problem=problem, remedy="Wait for it to end, or cancel it")
+        raise BadInput("desk", "", f"it is at work already: {running.kind}", "Wait for it to end, or cancel it")
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
 

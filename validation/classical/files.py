@@ -57,7 +57,7 @@ class Fields:
 
     def refused(self, key: str, problem: str, remedy: str) -> BadInput:
         """The complaint about `key`, ready to be raised."""
-        return BadInput(source=self.source, field=self.path(key), problem=problem, remedy=remedy)
+        return BadInput(self.source, self.path(key), problem, remedy)
 
     def only(self, allowed: Iterable[str]) -> "Fields":
         """Pass unchanged; BadInput when the table has a key besides those `allowed`, with the nearest of them."""
@@ -158,7 +158,7 @@ def read(name: str, kinds: tuple[str, ...]) -> Fields:
     toml_file.require_format(fields.table, name)
     if "model" in fields.table and "kind" not in fields.table:
         problem = "it is a model file, where a measurement is needed"
-        raise BadInput(source=name, problem=problem, remedy="MODEL comes first and DATA, campaigns or measurements, behind it")
+        raise BadInput(name, "", problem, "MODEL comes first and DATA, campaigns or measurements, behind it")
     kind = fields.choice("kind", KINDS)
     if kind not in kinds:
         commands = {"weighing": "massline weigh", "crane-cog": "massline cog", "pendulum": "massline pendulum"}
@@ -354,8 +354,7 @@ def reduce(file: Fields, keys: tuple[str, ...] = _PUBLISHABLE) -> Reduction:
             value = file.inner(key).only(("value",)).quantity("value", _DIMENSIONS[QUANTITIES[key][1]])
             results[key] = tagged(value.nominal_value, value.std_dev, "assumed tolerance" if assumed else "stated tolerance")
     if not results:
-        problem = f"it holds none of {', '.join(keys)}"
-        raise BadInput(source=file.source, problem=problem, remedy="Use weigh, cog or pendulum as fits")
+        raise BadInput(file.source, "", f"it holds none of {', '.join(keys)}", "Use weigh, cog or pendulum as fits")
     return Reduction(
         title=file.text("title", "Published results"),
         origin=file.text("origin", "origin not stated"),
@@ -392,4 +391,4 @@ def reference(name: str) -> "dict[str, UFloat]":
     if name.endswith(".toml") or name in shipped(("results",)):
         return dict(reduce(read(name, ("results",))).results)
     remedy = f"{nearest(name, articles)}Known are {', '.join(articles)}, or a file of kind results"
-    raise BadInput(source="--against", problem=f"nothing is published here about {name!r}", remedy=remedy)
+    raise BadInput("--against", "", f"nothing is published here about {name!r}", remedy)

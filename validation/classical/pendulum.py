@@ -107,7 +107,7 @@ def tensor_from_axes(
     if unseen:
         problem = f"{len(A)} axes do not determine {', '.join('I' + name for name in unseen)} of the {len(components)} entries"
         remedy = "Swing about further axes, not in one plane with these, or state the symmetry with `components`"
-        raise BadInput(source=source, field="axes", problem=problem, remedy=remedy)
+        raise BadInput(source, "axes", problem, remedy)
     # Least squares, linearised exactly in the tolerances of both `A` and `b`
     inverse = np.linalg.pinv(A0)
     x0 = inverse @ b0
@@ -245,7 +245,7 @@ def rope_amplitude_factor(amplitude: float, epsilon: float, kappa: float) -> flo
     k = np.sin(amplitude / 2)
     if not abs(amplitude) < np.pi or 4 * epsilon * k**2 >= 1:
         problem = f"ropes cannot swing to {amplitude:.4g} rad: they would cross or lie flat"
-        raise BadInput(source="rope pendulum", field="amplitude", problem=problem, remedy="Give the peak twist in rad or deg")
+        raise BadInput("rope pendulum", "amplitude", problem, "Give the peak twist in rad or deg")
     psi = (np.arange(QUADRATURE_POINTS) + 0.5) * np.pi / 2 / QUADRATURE_POINTS
     half_sine = k * np.sin(psi)
     sine = 2 * half_sine * np.sqrt(1 - half_sine**2)
@@ -316,11 +316,10 @@ def from_cycles(count: int, time: UFloat, source: str) -> UFloat:
     BadInput : fewer than one cycle, or no positive time.
     """
     if count < 1:
-        raise BadInput(source=source, field="cycles", problem=f"at least one cycle is needed, found {count}", remedy="Count them")
+        raise BadInput(source, "cycles", f"at least one cycle is needed, found {count}", "Count them")
     value = time / count
     if value.nominal_value <= 0:
-        problem = f"it must be positive, found {value.nominal_value:.6g}"
-        raise BadInput(source=source, field="time", problem=problem, remedy="Check the sign and the unit")
+        raise BadInput(source, "time", f"it must be positive, found {value.nominal_value:.6g}", "Check the sign and the unit")
     return value
 
 
@@ -337,14 +336,14 @@ def from_times(times: Sequence[UFloat], source: str) -> UFloat:
     t = np.array([time.nominal_value for time in times])
     if len(t) < 3 or np.any(np.diff(t) <= 0):
         problem = f"at least three increasing times are needed, found {t.tolist()}"
-        raise BadInput(source=source, field="times", problem=problem, remedy="List every passage in one direction")
+        raise BadInput(source, "times", problem, "List every passage in one direction")
     index = np.arange(len(t)) - (len(t) - 1) / 2
     weight = index / np.sum(index**2)
     period = sum(w * time for w, time in zip(weight, times, strict=True))
     residual = t - t.mean() - period.nominal_value * index
     if np.ptp(np.diff(t)) > 0.5 * np.median(np.diff(t)):
         problem = f"a passage seems to be missing or doubled: intervals from {np.diff(t).min():.4g} to {np.diff(t).max():.4g} s"
-        raise BadInput(source=source, field="times", problem=problem, remedy="List every passage in one direction")
+        raise BadInput(source, "times", problem, "List every passage in one direction")
     scatter = float(np.sqrt(np.sum(residual**2) / (len(t) - 2) / np.sum(index**2)))
     return period + tagged(0.0, scatter, "scatter of the times")
 
@@ -376,8 +375,7 @@ def from_signal(time: npt.ArrayLike, signal: npt.ArrayLike, source: str) -> Deca
     elif np.ptp(y) == 0:
         problem = f"the signal is constant, {y[0]:.6g}"
     if problem:
-        remedy = "Export two columns, time in s and the signal, of one free decay"
-        raise BadInput(source=source, field="signal", problem=problem, remedy=remedy)
+        raise BadInput(source, "signal", problem, "Export two columns, time in s and the signal, of one free decay")
     t = t - t[0]
     even = np.linspace(t[0], t[-1], len(t))
     flat = np.interp(even, t, y)
@@ -396,7 +394,7 @@ def from_signal(time: npt.ArrayLike, signal: npt.ArrayLike, source: str) -> Deca
     elif delta * t[-1] < -GROWTH_REFUSED:
         problem = f"the oscillation grows, by a factor {np.exp(-delta * t[-1]):.3g} over the record"
     if problem:
-        raise BadInput(source=source, field="signal", problem=problem, remedy="Record a free decay, or filter what disturbs it")
+        raise BadInput(source, "signal", problem, "Record a free decay, or filter what disturbs it")
     # Correlation of neighbouring residuals; a negative one is taken as none
     correlation = max(0.0, float(np.corrcoef(residual[:-1], residual[1:])[0, 1])) if noise > ROUNDING else 0.0
     widening = np.sqrt((1 + correlation) / (1 - min(correlation, 0.99)))
@@ -421,11 +419,10 @@ def from_signal(time: npt.ArrayLike, signal: npt.ArrayLike, source: str) -> Deca
 
 def _require_resolved(cycles: float, samples: int, source: str) -> None:
     if cycles < LEAST_CYCLES:
-        problem = f"at least {LEAST_CYCLES} cycles are needed, found {cycles:.1f}"
-        raise BadInput(source=source, field="signal", problem=problem, remedy="Record longer")
+        raise BadInput(source, "signal", f"at least {LEAST_CYCLES} cycles are needed, found {cycles:.1f}", "Record longer")
     if samples / cycles < LEAST_SAMPLES:
         problem = f"at least {LEAST_SAMPLES} samples a cycle are needed, found {samples / cycles:.1f}"
-        raise BadInput(source=source, field="signal", problem=problem, remedy="Sample faster; a slower record may be aliased")
+        raise BadInput(source, "signal", problem, "Sample faster; a slower record may be aliased")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -637,7 +634,7 @@ def swings(file: Fields, off: tuple[str, ...] = ()) -> list[RecordedSwing]:
         if moment <= 0:
             problem = f"the swing contradicts itself: its moment of inertia comes out as {moment:.4g} kg m²"
             why = "No body swings faster than a point mass there; check period, lengths and mass"
-            raise BadInput(source=entry.source, field=entry.place, problem=problem, remedy=why)
+            raise BadInput(entry.source, entry.place, problem, why)
         found.append(swing)
     return found
 

@@ -169,7 +169,7 @@ def require_recordable(setup: Setup) -> None:
 
 
 def _refused(field: str, problem: str, remedy: str) -> BadInput:
-    return BadInput(source=SOURCE, field=field, problem=problem, remedy=remedy)
+    return BadInput(SOURCE, field, problem, remedy)
 
 
 # From the words of the command line to a `Setup`.
@@ -234,13 +234,13 @@ def setup(article: str, words: Words, asked: ArticleOptions) -> Setup:
     else:
         given = " and ".join(f"--{name}" for name in (*sides, "radius") if name in value) or "no sizes"
         remedy = "Give --s1 and --s2 (or --radius) for two ropes, --radius for three"
-        raise BadInput(source="--ropes", problem=f"{ropes} ropes do not go with {given}", remedy=remedy)
+        raise BadInput("--ropes", "", f"{ropes} ropes do not go with {given}", remedy)
     # One length along the ropes' x, or two with a comma, the second across
     parts = () if words.off_centre is None else words.off_centre.split(",")
     lengths = [_quantity(part.strip(), "length", "off_centre") for part in parts]
     if len(lengths) > 2:
         problem = f"one length or two are expected, found {words.off_centre!r}"
-        raise BadInput(source="--off-centre", problem=problem, remedy='Write "10 mm" or "10 mm, 5 mm"')
+        raise BadInput("--off-centre", "", problem, 'Write "10 mm" or "10 mm, 5 mm"')
     along, across, *_ = (*lengths, 0.0, 0.0)
     off_centre = along, across
     height = value.get("height", HEIGHT)
@@ -298,7 +298,7 @@ def as_option(error: BadInput) -> BadInput:
     name = FIELDS.get(error.field, error.field)
     if name not in (*OPTIONS, *OTHERS):
         return error
-    return BadInput(source=f"--{name.replace('_', '-')}", problem=error.problem, remedy=error.remedy)
+    return BadInput(f"--{name.replace('_', '-')}", "", error.problem, error.remedy)
 
 
 def _quantity(text: str, dimension: str, name: str) -> float:
@@ -309,7 +309,7 @@ def _quantity(text: str, dimension: str, name: str) -> float:
     try:
         return float(quantity(text, dimension, source=option, field="").nominal_value)
     except BadInput as error:
-        raise BadInput(source=option, problem=error.problem, remedy=error.remedy) from None
+        raise BadInput(option, "", error.problem, error.remedy) from None
 
 
 # The recorded swing: sampled, noisy, written as any recorder's file, and reduced by the code that reduces measured ones.

@@ -72,7 +72,7 @@ def add_command(model: Path, effect: str, fixed: bool, alias_ok: bool, as_json: 
 
     if Path(effect).exists():
         problem = f"{effect} is a file or folder, and the effect stands before DATA"
-        raise BadInput(source="EFFECT", problem=problem, remedy="massline add MODEL EFFECT DATA; massline effects lists them")
+        raise BadInput("EFFECT", "", problem, "massline add MODEL EFFECT DATA; massline effects lists them")
     from validation.study import Options
 
     add(Options(model=str(model), **given), AddedEffectOptions(effect=effect, fixed=fixed, alias_ok=alias_ok), as_json=as_json)
@@ -197,14 +197,14 @@ def diagnose_command(
     asked = Options(model=str(model), **given)
     if jobs and scheduler:
         problem = "the workers of --scheduler do the work, and how many they are is their own"
-        raise BadInput(source="--jobs", problem=problem, remedy="Leave out one of the two")
+        raise BadInput("--jobs", "", problem, "Leave out one of the two")
     if each is None:
         if jobs or scheduler:
-            raise BadInput(source="--jobs or --scheduler", problem="there is one diagnosis", remedy="Name many with --each DIR")
+            raise BadInput("--jobs or --scheduler", "", "there is one diagnosis", "Name many with --each DIR")
         diagnosis_answer(asked, auto=auto, as_json=as_json, folder=out)
         return
     if auto:
-        raise BadInput(source="--auto", problem="one model stands for all with --each", remedy="Leave it out")
+        raise BadInput("--auto", "", "one model stands for all with --each", "Leave it out")
     from validation.report import fleet
 
     fleet.answer(asked, each, processes=jobs or 0, scheduler=scheduler or "", as_json=as_json, folder=out)
@@ -337,19 +337,18 @@ def model_command(
     is that in units and node numbers of your mesh (docs/your-own-structure.md). Exit code 1 when nothing can be written.
     """
     if program is not None and (examine or tests):
-        problem = "it writes what was found, and nothing else"
-        raise BadInput(source="--as", problem=problem, remedy="Leave out --examine and --test")
+        raise BadInput("--as", "", "it writes what was found, and nothing else", "Leave out --examine and --test")
     if examine:
         from validation.report.flexible import examine_answer
 
         if out is not None or force or tests:
             problem = "it writes no file"
             remedy = "Leave out --out, --force and --test; --json prints what was found as one object"
-            raise BadInput(source="--examine", problem=problem, remedy=remedy)
+            raise BadInput("--examine", "", problem, remedy)
         examine_answer(article, as_json=as_json)
         return
     if as_json:
-        raise BadInput(source="--json", problem="a model file is TOML", remedy="Use it with --examine")
+        raise BadInput("--json", "", "a model file is TOML", "Use it with --examine")
     from validation.report.history import model
 
     model(article, out, force=force, tests=tests, program=program, units=units)

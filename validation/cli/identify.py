@@ -84,8 +84,7 @@ def identify_command(ctx: click.Context, /, plot: bool, out: Path | None, as_jso
         typed = click.core.ParameterSource.COMMANDLINE
         names = [name for name in ctx.params if ctx.get_parameter_source(name) is typed]
         if other := sorted(set(names) - {"campaign", "band", "as_json"}):
-            problem = "has no meaning for response functions"
-            raise BadInput(source=f"--{other[0].replace('_', '-')}", problem=problem, remedy="Leave it out")
+            raise BadInput(f"--{other[0].replace('_', '-')}", "", "has no meaning for response functions", "Leave it out")
         answer_of_test(given["campaign"], given["band"] or None, as_json=as_json)
         return
     if out is not None:
@@ -131,7 +130,7 @@ def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool, 
 
         if (tests := tests_in(path)) is not None:
             if view:
-                raise BadInput(source="--view", problem="a test has no drawing of sensors", remedy="Leave it out")
+                raise BadInput("--view", "", "a test has no drawing of sensors", "Leave it out")
             answer.show_tests(campaign, tests, as_json=as_json, out=out)
             if not described and not as_json:
                 tables = [test_file.text(test_file.table_of(one, path.name)) for one in tests]

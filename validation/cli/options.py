@@ -220,7 +220,7 @@ def _length(text: str, option: str, limits: tuple[float, float], example: str) -
     from geometry.toml_file import quantity
 
     def refused(problem: str) -> BadInput:
-        return BadInput(source=option, problem=problem, remedy=f"Write for example {example}")
+        return BadInput(option, "", problem, f"Write for example {example}")
 
     try:
         size = float(quantity(text, "length", source=option, field="").nominal_value)

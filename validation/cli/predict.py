@@ -276,14 +276,14 @@ def simulate_command(ctx: click.Context, /, articles: tuple[str, ...], out: Path
         both = ("effects", "seed", "sealed", "noise", "tolerances", "band", "axis", "cross")
         if other := sorted(stated - {*both, *of_structure}):
             problem = "is an option of a test of ARTICLE, and none of that of a structure"
-            raise BadInput(source=f"--{other[0].replace('_', '-')}", problem=problem, remedy="Leave it out")
+            raise BadInput(f"--{other[0].replace('_', '-')}", "", problem, "Leave it out")
         common = {name: given[name] for name in both} | {name: None for name in ("band", "cross") if name not in stated}
         simulate_structure(articles[0], out, as_json=as_json, **common, **of_structure)
         return
     given["responses"] = of_structure.pop("responses")
     if other := sorted(stated & of_structure.keys()):
         problem = "is an option of the test of a structure, and ARTICLE stands on the multi-axis shaker"
-        raise BadInput(source=f"--{other[0]}", problem=problem, remedy="Name a model file, or leave it out")
+        raise BadInput(f"--{other[0]}", "", problem, "Name a model file, or leave it out")
     simulate(question(articles=articles, out=out, **given), as_json=as_json)
 
 

@@ -81,7 +81,7 @@ def reference_command(
         form = next(by_ending, known.get(ending.lower(), "text"))
     toml_file.one_of(form, (*TABLES, *inertia_files.FORMATS), source="--format", where="")
     if column is not None and form in TABLES:
-        raise BadInput(source="--column", problem=f"a {form} table has every column", remedy="Add --format urdf, nastran ...")
+        raise BadInput("--column", "", f"a {form} table has every column", "Add --format urdf, nastran ...")
     names = list(dict.fromkeys(articles)) or list(DEFAULT_ARTICLES)
     asked = options.reading(chord, unit, material, settings, repair)
     options.require_articles(names)
@@ -89,15 +89,15 @@ def reference_command(
     pose = None if frame is None else read_frame(frame)
     if identified is not None and len(names) > 1:
         remedy = "Name the one that was identified: massline reference ARTICLE --identified RESULT"
-        raise BadInput(source="--identified", problem=f"a result is about one article, found {len(names)}", remedy=remedy)
+        raise BadInput("--identified", "", f"a result is about one article, found {len(names)}", remedy)
     result = None if identified is None else read_result(identified, article=names[0], frame=pose)
     robots = [name for name in names if Path(name).suffix.lower() in robot.ENDINGS]
     for other, value in (("--frame", frame), ("--identified", identified), ("--unit", unit), ("--material", material)):
         if robots and value is not None:
             problem = f"{robots[0]} is a robot, whose links have a frame, a mass and a unit of their own"
-            raise BadInput(source=other, problem=problem, remedy="Leave it out")
+            raise BadInput(other, "", problem, "Leave it out")
     if link is not None and not robots:
-        raise BadInput(source="--link", problem="no robot is among the articles", remedy="Name a .urdf, .xml or .sdf file")
+        raise BadInput("--link", "", "no robot is among the articles", "Name a .urdf, .xml or .sdf file")
     tables: list[ReferenceTable] = []
     found: list[RobotFindings] = []
     for name in counted(names, "three routes", quiet=as_json):
@@ -171,8 +171,7 @@ def pendulum_command(file: str, against: str | None, off: tuple[str, ...], as_js
 
     for name in off:
         if name not in pendulum.TERMS:
-            remedy = f"Known are {', '.join(pendulum.TERMS)}"
-            raise BadInput(source="--without", problem=f"no correction is called {name!r}", remedy=remedy)
+            raise BadInput("--without", "", f"no correction is called {name!r}", f"Known are {', '.join(pendulum.TERMS)}")
     reduce = partial(pendulum.reduce, off=off)
     show(readings_or_results(file, "pendulum", reduce, ("Ixx", "Iyy", "Izz")), against, as_json)
 

@@ -113,7 +113,7 @@ def candidates(
             problem = "is no effect that could act on these data and be told by them"
             there = ", ".join(one.named.id for one in found if one.named.family == wanted.partition(":")[0])
             remedy = f"{nearest(wanted, names)}{f'There are {there}' if there else '`massline effects` lists the catalogue'}"
-            raise BadInput(source="--candidate", field=wanted, problem=problem, remedy=remedy)
+            raise BadInput("--candidate", wanted, problem, remedy)
     return tuple(one for one in found if looked_for(one.named, only, ()))
 
 

@@ -100,7 +100,7 @@ def candidates(
             known = dict.fromkeys(name for one in found for name in (one.added.named.family, one.id))
             problem = "is no effect that weights and periods could show"
             remedy = f"{nearest(wanted, known)}Known here are {', '.join(dict.fromkeys(one.added.named.family for one in found))}"
-            raise BadInput(source="--candidate", field=wanted, problem=problem, remedy=remedy)
+            raise BadInput("--candidate", wanted, problem, remedy)
     return tuple(one for one in found if not only or any(_is(one, wanted) for wanted in only))
 
 
@@ -167,7 +167,7 @@ def curve(answer: Callable[[Array], Array], low: float, high: float) -> Interpol
         coefficients = np.asarray(chebyshev.chebfit(chebyshev.chebpts1(DEGREE + 1), values, DEGREE), dtype=np.float64)
         return InterpolatedCurve(low=low, high=high, coefficients=coefficients)
     problem = "its lengths leave no room for the smallest effect"
-    raise BadInput(source="pendulum", problem=problem, remedy="Check lengths, radii and mass in the measurement file")
+    raise BadInput("pendulum", "", problem, "Check lengths, radii and mass in the measurement file")
 
 
 # Classical measurements beside a model, with the tolerances that they have in common.

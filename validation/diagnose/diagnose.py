@@ -690,12 +690,12 @@ def ready(asked: Options, progress: Progress | None = None) -> tuple[Model, Data
         family = candidate.partition(":")[0].strip()
         if family not in FAMILIES:
             remedy = f"{nearest(family, FAMILIES)}`massline effects` lists all of them; your own come with --effects-from DIR"
-            raise BadInput(source=OPTION, field=text, problem=f"no effect is called {family!r}", remedy=remedy)
+            raise BadInput(OPTION, text, f"no effect is called {family!r}", remedy)
         if equals:
             remedy = f"Write {candidate.strip()}; `massline add MODEL {text.strip()}` begins at a size"
-            raise BadInput(source=OPTION, field=text, problem="it has a size, which is what is looked for", remedy=remedy)
+            raise BadInput(OPTION, text, "it has a size, which is what is looked for", remedy)
         if (side := FAMILIES[family].side) in OTHERWISE:
-            raise BadInput(source=OPTION, field=text, problem=f"is of the kind {side!r}", remedy=OTHERWISE[side])
+            raise BadInput(OPTION, text, f"is of the kind {side!r}", OTHERWISE[side])
     model, data = read(asked, progress)
     if not data.tests:
         require_runs(data.campaigns)
@@ -718,4 +718,4 @@ def require_runs(campaigns: Sequence[Campaign]) -> None:
         names = ", ".join(f"{run.name} of {one.source}" for one in campaigns for run in one.runs)
         problem = f"too few: {count} in all ({names}), and what one run teaches another must confirm"
         remedy = "Name a campaign with more runs, one for each of the six axes at best, or more campaigns of the series"
-        raise BadInput(source="DATA", field="runs", problem=problem, remedy=remedy)
+        raise BadInput("DATA", "runs", problem, remedy)

@@ -83,8 +83,7 @@ class Member:
             listed.append(Member(name=name.as_posix(), article=article, laboratory=laboratory, asked=of))
         if not listed:
             problem = "there is no campaign folder and no test file below it"
-            remedy = "Name the folder that holds one for each article"
-            raise BadInput(source="--each", field=str(folder), problem=problem, remedy=remedy)
+            raise BadInput("--each", str(folder), problem, "Name the folder that holds one for each article")
         return tuple(listed)
 
 
@@ -185,7 +184,7 @@ def _diagnosed(task: tuple[int, Study | Options]) -> Diagnosis | BadInput | Chec
         study = _opened(task[1])
         return diagnosed_once(study, only=study.asked.candidates, leave_out=study.asked.leave_out)
     except OSError as error:
-        return BadInput(source=str(error.filename or ""), problem=f"cannot be read: {error.strerror}", remedy="Check its rights")
+        return BadInput(str(error.filename or ""), "", f"cannot be read: {error.strerror}", "Check its rights")
     except (BadInput, CheckFailed) as error:
         return error
 

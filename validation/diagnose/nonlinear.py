@@ -327,10 +327,10 @@ def require_levels(data: Study, what: str) -> None:
     if FAMILIES[what.partition(":")[0].strip()].side != AMPLITUDE or any(runs_by_level(one).weaker for one in data.made):
         return
     raise BadInput(
-        source=", ".join(one.source for one in data.campaigns),
-        field="run.excitation.level",
-        problem=f"every axis was driven at one level, and one level cannot see {what}: it looks like mass and damping there",
-        remedy="Drive the same axes once more at half the level (`massline simulate --levels 1,0.5`), and name those runs, too",
+        ", ".join(one.source for one in data.campaigns),
+        "run.excitation.level",
+        f"every axis was driven at one level, and one level cannot see {what}: it looks like mass and damping there",
+        "Drive the same axes once more at half the level (`massline simulate --levels 1,0.5`), and name those runs, too",
     )
 
 

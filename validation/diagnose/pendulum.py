@@ -126,7 +126,7 @@ def only_classical(
     found = facts(model, files)
     if not found:
         problem = "they say nothing of mass, centre of gravity or inertia"
-        raise BadInput(source=", ".join(files), problem=problem, remedy="Name a weighing, cog or pendulum file")
+        raise BadInput(", ".join(files), "", problem, "Name a weighing, cog or pendulum file")
     tell = progress or (lambda share: None)
     of = classical.observed(found, model.effects)
     answers = classical.answering(of, classical.candidates(found, model.effects, only), lambda share: tell(TRYING * share))

@@ -65,12 +65,11 @@ def load(directory: str | Path) -> tuple[effect_types.Family, ...]:
     folder = Path(directory)
     if not folder.is_dir():
         problem = "it is a file" if folder.exists() else "there is no such folder"
-        raise BadInput(source=str(folder), field="--effects-from", problem=problem, remedy="Name a folder of effects")
+        raise BadInput(str(folder), "--effects-from", problem, "Name a folder of effects")
     paths = sorted(path.resolve() for path in folder.glob("*.py") if not path.name.startswith("_"))
     if not paths:
         problem = "it holds no file of an effect, *.py"
-        remedy = "Write one: docs/effects.md shows how, examples/effects holds two"
-        raise BadInput(source=str(folder), field="--effects-from", problem=problem, remedy=remedy)
+        raise BadInput(str(folder), "--effects-from", problem, "Write one: docs/effects.md shows how, examples/effects holds two")
     found = [(path, own.read(path)) for path in paths if path not in _files]
     added: list[Path] = []
     try:
@@ -236,7 +235,7 @@ def parse(text: str, words: effect_types.Vocabulary | None = None, *, source: st
     family, *targets = (part.strip() for part in name.split(":"))
     if family not in FAMILIES:
         remedy = f"{nearest(family, FAMILIES)}`massline effects` lists all of them; your own come with --effects-from DIR"
-        raise BadInput(source=source, field=family, problem=f"no effect is called {family!r}", remedy=remedy)
+        raise BadInput(source, family, f"no effect is called {family!r}", remedy)
     known = FAMILIES[family]
     kinds = known.targets
     if not len(kinds) - known.optional <= len(targets) <= len(kinds):
@@ -247,10 +246,10 @@ def parse(text: str, words: effect_types.Vocabulary | None = None, *, source: st
         if kind == effect_types.PLACE and legal is None and target.startswith(effect_types.AT):
             if effect_types.position(target) is None:
                 remedy = f"Write for example {family}:{effect_types.at_position((0.1, 0, 0.25))}"
-                raise BadInput(source=source, field=name, problem=f"{target!r} is no x,y,z in metres", remedy=remedy)
+                raise BadInput(source, name, f"{target!r} is no x,y,z in metres", remedy)
         elif legal is not None and target not in legal:
             remedy = f"{nearest(target, legal)}Known are {', '.join(legal)}" if legal else "Leave it out"
-            raise BadInput(source=source, field=name, problem=f"no {kind} is called {target!r}", remedy=remedy)
+            raise BadInput(source, name, f"no {kind} is called {target!r}", remedy)
     if len(set(targets)) < len(targets) and len(set(kinds)) < len(kinds):
         raise _refused(source, name, f"{targets[0]} is named twice", known)
     sizes = known.sizes_at(tuple(targets))
@@ -273,8 +272,7 @@ def parse_all(texts: Sequence[str], words: effect_types.Vocabulary | None = None
     for text in texts:
         effect = parse(text, words)
         if effect.id in found:
-            problem = "is given twice"
-            raise BadInput(source="--effect", field=effect.id, problem=problem, remedy="Keep one of them, with the whole size")
+            raise BadInput("--effect", effect.id, "is given twice", "Keep one of them, with the whole size")
         found[effect.id] = effect
     return tuple(found.values())
 
@@ -301,7 +299,7 @@ def _values(
         if not isfinite(value) or (size.whole and value != round(value)) or not size.low <= value <= size.high:
             limits = f"{size.low:g} or {size.high:g}" if size.whole else f"between {size.low:g} and {size.high:g}"
             problem = f"{what} must be {limits}, found {number}"
-            raise BadInput(source=source, field=name, problem=problem, remedy=f"Check its unit; for example {family.example}")
+            raise BadInput(source, name, problem, f"Check its unit; for example {family.example}")
         values[key] = value
     missing = [size for size in sizes if size.key not in values and size.default is None]
     if missing:
@@ -320,12 +318,12 @@ def _as_factor(text: str, channel: str, words: effect_types.Vocabulary, name: st
         return repr(1 / sizes[text])
     if text[:1].isalpha() and not text.lower().startswith(("nan", "inf")):
         problem = f"neither a factor nor a unit of {channel}, found {text!r}"
-        raise BadInput(source=source, field=name, problem=problem, remedy=f"{nearest(text, sizes)}Known are {', '.join(sizes)}")
+        raise BadInput(source, name, problem, f"{nearest(text, sizes)}Known are {', '.join(sizes)}")
     return text
 
 
 def _refused(source: str, name: str, problem: str, family: effect_types.Family) -> BadInput:
-    return BadInput(source=source, field=name, problem=problem, remedy=f"Write for example {family.example}")
+    return BadInput(source, name, problem, f"Write for example {family.example}")
 
 
 # Where an effect acts: a structural one wherever its part or its place exists, and nowhere else.

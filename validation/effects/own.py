@@ -52,7 +52,7 @@ def read(path: Path) -> effect_types.Family:
         del sys.modules[name]
         raise in_words(error, file, "") from None
     if not hasattr(module, "FAMILY"):
-        raise BadInput(source=str(path), field="FAMILY", problem="is missing", remedy="Write FAMILY = Family(name=..., ...)")
+        raise BadInput(str(path), "FAMILY", "is missing", "Write FAMILY = Family(name=..., ...)")
     return of(module.FAMILY, str(path))
 
 
@@ -65,7 +65,7 @@ def of(value: object, file: str) -> effect_types.Family:
     """
     if not isinstance(value, effect_types.Family):
         problem = f"must be a validation.effects.effect.Family, found {type(value).__name__}"
-        raise BadInput(source=file, field="FAMILY", problem=problem, remedy="Write FAMILY = Family(name=..., ...)")
+        raise BadInput(file, "FAMILY", problem, "Write FAMILY = Family(name=..., ...)")
     change = value.change if value.change is None else guarded(value.change, file, "change")
     plant = value.plant if value.plant is None else _guarded_plant(value.plant, file)
     return replace(value, change=change, plant=plant)
@@ -94,7 +94,7 @@ def in_words(error: BaseException, file: str, what: str) -> BadInput:
     else:
         line = next((one.lineno or 0 for one in reversed(extract_tb(error.__traceback__)) if one.filename == file), 0)
     number = f"line {line}, `{getline(file, line).strip()}`, " if line else ""
-    return BadInput(source=file, field=what, problem=f"{number}raised {said}", remedy="Correct the file")
+    return BadInput(file, what, f"{number}raised {said}", "Correct the file")
 
 
 def _guarded_plant(plant: Callable[[Any], Any], file: str) -> Callable[[Any], Any]:
@@ -104,7 +104,7 @@ def _guarded_plant(plant: Callable[[Any], Any], file: str) -> Callable[[Any], An
         effect = planted(named)
         if not is_dataclass(effect) or isinstance(effect, type):
             problem = f"must return an Effect of validation.virtual_test.plan, found {type(effect).__name__}"
-            raise BadInput(source=file, field="plant", problem=problem, remedy="Write plant=at(...) of validation.effects.plants")
+            raise BadInput(file, "plant", problem, "Write plant=at(...) of validation.effects.plants")
         made = {one.name: getattr(effect, one.name) for one in fields(effect)}
         return replace(effect, **{name: guarded(one, file, "plant") for name, one in made.items() if callable(one)})
 
@@ -164,8 +164,7 @@ def _require(noun: Any, rules: Mapping[str, Rule], where: str, source: str) -> N
     for field, (holds, words) in rules.items():
         value = getattr(noun, field)
         if not holds(value):
-            problem = f"must be {words}, found {value!r}"
-            raise BadInput(source=source, field=f"{where}{field}", problem=problem, remedy="Correct it")
+            raise BadInput(source, f"{where}{field}", f"must be {words}, found {value!r}", "Correct it")
 
 
 # Stages to try an equation on, and the sizes at which it must change nothing.
@@ -355,7 +354,7 @@ def _require_word(word: str, words: tuple[str, ...], field: str, source: str) ->
 
 
 def unsound(source: str, field: str, problem: str, remedy: str) -> BadInput:
-    return BadInput(source=source, field=field, problem=problem, remedy=remedy)
+    return BadInput(source, field, problem, remedy)
 
 
 # An equation tried before it is taken: what kind of stage it returns, of what shape, and whether it keeps its promises.
@@ -418,7 +417,7 @@ class FamilyTrial:
 
     def refused(self, problem: str, remedy: str) -> BadInput:
         """What is wrong with the equation."""
-        return BadInput(source=self.source, field="change", problem=problem, remedy=remedy)
+        return BadInput(self.source, "change", problem, remedy)
 
 
 def require_usable(family: effect_types.Family, targets: tuple[str, ...], values: Mapping[str, float], source: str) -> None:

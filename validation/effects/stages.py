@@ -215,7 +215,7 @@ class ChannelResponse:
         """
         if channel not in self.channels:
             problem = "an effect acts on this channel, and the data have none of that name"
-            raise BadInput(source="effect", field=channel, problem=problem, remedy=f"Known are {', '.join(self.channels)}")
+            raise BadInput("effect", channel, problem, f"Known are {', '.join(self.channels)}")
         return self.channels.index(channel)
 
     def amplitude_of(self, column: int) -> Array:
@@ -295,7 +295,7 @@ class PendulumSwing:
         value: float = getattr(self, name) if name != "radii" else len(self.radii)
         if value <= 0:
             problem = f"the effect needs the pendulum's {name}, which is not stated"
-            raise BadInput(source="pendulum", field=name, problem=problem, remedy="State it in the measurement file")
+            raise BadInput("pendulum", name, problem, "State it in the measurement file")
         return value
 
     @property

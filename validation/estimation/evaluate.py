@@ -173,7 +173,7 @@ def every_block(problem: Problem, count: int) -> tuple[Fold, ...]:
     edges = np.geomspace(max(low, 1e-3 * high), high * (1 + 1e-12), max(count, 1) + 1)
     if count < 2 or edges[1] - edges[0] < SHORTEST:
         problem_ = f"cannot be cut into {count} blocks of at least {SHORTEST:g} Hz, found {low:g} to {high:g} Hz"
-        raise BadInput(source="hold-out", field="blocks", problem=problem_, remedy="Ask for 2 or a few more")
+        raise BadInput("hold-out", "blocks", problem_, "Ask for 2 or a few more")
     made = []
     for lo, hi in pairwise(edges):
         blocks: dict[str, Lines] = {}
@@ -214,7 +214,7 @@ def named(problem: Problem, names: Sequence[str]) -> Fold:
         facts += fact
     fold = Fold(name=", ".join(names), runs=runs, facts=tuple(facts))
     if not without(problem, fold).predictions:
-        raise BadInput(source="--hold-out", field=fold.name, problem="nothing is left to fit", remedy="Hold out less")
+        raise BadInput("--hold-out", fold.name, "nothing is left to fit", "Hold out less")
     return fold
 
 
@@ -246,7 +246,7 @@ def held(problem: Problem, fold: Fold) -> list[tuple[Prediction, Lines | None]]:
 def _unknown(problem: Problem, name: str, several: Sequence[str]) -> BadInput:
     if several:
         told = f"is a run of {len(several)} data sets"
-        return BadInput(source="--hold-out", field=name, problem=told, remedy=f"Write one of {', '.join(several)}")
+        return BadInput("--hold-out", name, told, f"Write one of {', '.join(several)}")
     measured = [one.measured for one in problem.predictions]
     known = [
         *(one.name for one in measured),
@@ -257,7 +257,7 @@ def _unknown(problem: Problem, name: str, several: Sequence[str]) -> BadInput:
     short = [run for one in measured for run in one.runs]
     near = nearest(name, [*known, *short])
     problem_ = f"no run, data set, configuration or fact is called {name!r}"
-    return BadInput(source="--hold-out", field=name, problem=problem_, remedy=f"{near}Known are {', '.join(known)}")
+    return BadInput("--hold-out", name, problem_, f"{near}Known are {', '.join(known)}")
 
 
 # The plain fit without what a fold holds out: a short way from the solution with all data.

@@ -550,10 +550,9 @@ def start(
     known, given = {one.name: one.tolerance for one in cost.free}, places or {}
     for name in names:
         if name not in known:
-            remedy = nearest(name, known) or "Free it"
-            raise BadInput(source="start", field=name, problem="is no free parameter of this problem", remedy=remedy)
+            raise BadInput("start", name, "is no free parameter of this problem", nearest(name, known) or "Free it")
         if name not in given and not np.isfinite(known[name]):
-            raise BadInput(source="start", field=name, problem="nothing is known of it beforehand", remedy="Give its `places`")
+            raise BadInput("start", name, "nothing is known of it beforehand", "Give its `places`")
     evenly = np.linspace(-REACH, REACH, SINGLE_PLACES if len(names) == 1 else SEVERAL_PLACES)
     along = [
         np.asarray(given[name], dtype=np.float64).ravel() if name in given else here[name] + known[name] * evenly

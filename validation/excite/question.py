@@ -109,7 +109,7 @@ def attached(
             loads[number] = force
     if loads and not cells:
         problem = "only cells that are springs can lift off, and they are rigid here"
-        raise BadInput(source="--preload", problem=problem, remedy="Add --cells, or leave the preload out")
+        raise BadInput("--preload", "", problem, "Add --cells, or leave the preload out")
     compliance = np.zeros(6)
     for text in flange:
         key, value = _pair("--flange", text)
@@ -172,7 +172,7 @@ def _sane(option: str, key: str, text: str, sane: Sane) -> float:
         raise _refused(option, f"{key} must be positive and finite, found {text}")
     if not sane.low <= value <= sane.high:
         problem = f"{key} must lie between {sane.low:g} and {sane.high:g} {sane.unit}, found {text}"
-        raise BadInput(source=option, problem=problem, remedy=f"Check its unit, or leave it out; for example {EXAMPLES[option]}")
+        raise BadInput(option, "", problem, f"Check its unit, or leave it out; for example {EXAMPLES[option]}")
     return value
 
 
@@ -180,17 +180,16 @@ def _known(word: str, known: Collection[str], option: str, what: str) -> str:
     if word in known:
         return word
     near = toml_file.nearest(word, known)
-    problem = f"no {what} is called {word!r}"
-    raise BadInput(source=option, problem=problem, remedy=f"{near}Known are {', '.join(known)}: {EXAMPLES[option]}")
+    raise BadInput(option, "", f"no {what} is called {word!r}", f"{near}Known are {', '.join(known)}: {EXAMPLES[option]}")
 
 
 def _once(already: bool, option: str, what: str) -> None:
     if already:
-        raise BadInput(source=option, problem=f"{what} is given twice", remedy="Keep one of them")
+        raise BadInput(option, "", f"{what} is given twice", "Keep one of them")
 
 
 def _refused(option: str, problem: str) -> BadInput:
-    return BadInput(source=option, problem=problem, remedy=f"Write for example {EXAMPLES[option]}")
+    return BadInput(option, "", problem, f"Write for example {EXAMPLES[option]}")
 
 
 SWEEP, RANDOM, BURST, MULTI = PATTERNS = ("sweep", "random", "burst", "multi")
@@ -288,23 +287,22 @@ def drive(
     low, high = band
     if not (np.isfinite(low) and np.isfinite(high) and 0 < low < high):
         problem = f"a band goes from above 0 Hz up to a higher frequency, found {low:g} to {high:g} Hz"
-        raise BadInput(source="--band", problem=problem, remedy="Give the lower end first: --band 4 32")
+        raise BadInput("--band", "", problem, "Give the lower end first: --band 4 32")
     _within("--octaves-per-minute", octaves_per_minute, 1e-2, 1e3, "Write 2 for the paper's sweeps")
     _within("--level", level, 1e-6, LARGEST_LEVEL, "1 is the nominal level, 0.5 half of it")
     _within("--cross", cross, 0.0, LARGEST_CROSS, "Write for example 0.03; 0 is a table without cross motion")
     if seed < 0:
-        raise BadInput(source="--seed", problem=f"must not be negative, found {seed}", remedy="Give a whole number from 0 on")
+        raise BadInput("--seed", "", f"must not be negative, found {seed}", "Give a whole number from 0 on")
     for axis in axes:
         toml_file.one_of(axis, MOTIONS, source="--axis", where="")
     if twice := next((axis for axis in axes if list(axes).count(axis) > 1), None):
-        raise BadInput(source="--axis", problem=f"{twice} is named twice", remedy="Name each axis once")
+        raise BadInput("--axis", "", f"{twice} is named twice", "Name each axis once")
     if every and axes:
         problem = f"all six axes are asked for, and {', '.join(axes)} once more"
-        raise BadInput(source="--all", problem=problem, remedy="Give --all or --axis, not both")
+        raise BadInput("--all", "", problem, "Give --all or --axis, not both")
     if duration is not None and pattern not in (RANDOM, BURST):
         problem = f"only random and burst have one, the pattern is {pattern}"
-        remedy = "Leave it out: band and octaves a minute say how long it takes"
-        raise BadInput(source="--duration", problem=problem, remedy=remedy)
+        raise BadInput("--duration", "", problem, "Leave it out: band and octaves a minute say how long it takes")
     found = TableDrive(
         axes=tuple(axes) or (MOTIONS if every or pattern == MULTI else MOTIONS[:1]),
         every=every,
@@ -320,8 +318,7 @@ def drive(
     sweep = 60 * np.log2(high / low) / octaves_per_minute
     if pattern in (SWEEP, MULTI) and sweep > LONGEST:
         problem = f"a sweep of this band takes {sweep:.4g} s at {octaves_per_minute:g} octaves a minute"
-        remedy = f"A run lasts {LONGEST:g} s at most: sweep faster, or a part of it"
-        raise BadInput(source="--octaves-per-minute", problem=problem, remedy=remedy)
+        raise BadInput("--octaves-per-minute", "", problem, f"A run lasts {LONGEST:g} s at most: sweep faster, or a part of it")
     return found
 
 
@@ -337,14 +334,14 @@ def require_rate(rate: float) -> None:
 
 def _within(option: str, value: float, low: float, high: float, remedy: str) -> None:
     if not low <= value <= high:
-        raise BadInput(source=option, problem=f"must lie between {low:g} and {high:g}, found {value:g}", remedy=remedy)
+        raise BadInput(option, "", f"must lie between {low:g} and {high:g}, found {value:g}", remedy)
 
 
 def _seconds(option: str, text: str, remedy: str) -> float:
     try:
         seconds = float(toml_file.quantity(text, "time", source=option, field="").nominal_value)
     except BadInput as error:
-        raise BadInput(source=option, problem=error.problem, remedy=remedy) from None
+        raise BadInput(option, "", error.problem, remedy) from None
     if not 0 <= seconds <= LONGEST:
-        raise BadInput(source=option, problem=f"must lie between 0 and {LONGEST:g} s, found {text}", remedy=remedy)
+        raise BadInput(option, "", f"must lie between 0 and {LONGEST:g} s, found {text}", remedy)
     return seconds

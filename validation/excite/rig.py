@@ -59,16 +59,16 @@ def require_mountable(article: str, model: str, asked: FlexibleOptions, attached
     on_fmd = is_stack(article) and article.split("+")[0] == FMD
     if attached.cells and not on_fmd:
         remedy = f"Leave it out, or name a stack that begins with {FMD}, such as {FMD}+clumod-1"
-        raise BadInput(source="--cells", problem=f"only the FMD has load cells, found {article}", remedy=remedy)
+        raise BadInput("--cells", "", f"only the FMD has load cells, found {article}", remedy)
     if attached.flange is not None and article == FMD:
         problem = "the FMD alone has nothing above its cover plate that a flange could join"
-        raise BadInput(source="--flange", problem=problem, remedy="Leave it out, or name a stack such as fmd+clumod-1")
+        raise BadInput("--flange", "", problem, "Leave it out, or name a stack such as fmd+clumod-1")
     known = places(article, found, asked)
     why = "Leave it out" if known or found != "exudyn" else "Use --model beam or solid, whose shapes say how a place moves"
     for strut in (strut for strut in attached.struts if strut.place not in known):
         option = "--cable" if strut.to == "ground" else "--damper"
         remedy = f"{nearest(strut.place, known)}Its places are {', '.join(known)}" if known else why
-        raise BadInput(source=option, problem=f"{article} has no place {strut.place!r}", remedy=remedy)
+        raise BadInput(option, "", f"{article} has no place {strut.place!r}", remedy)
 
 
 def places(article: str, model: str, asked: FlexibleOptions) -> Mapping[str, Array]:

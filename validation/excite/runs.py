@@ -50,7 +50,7 @@ SOFTER = 0.9
 def of_rig(error: BadInput) -> BadInput:
     """`error` of a rig that cannot be built; others pass unchanged."""
     option = next((option for field, option in OF_RIG.items() if error.source == "rig" and error.field.startswith(field)), "")
-    return BadInput(source=option, problem=error.problem, remedy=error.remedy) if option else error
+    return BadInput(option, "", error.problem, error.remedy) if option else error
 
 
 STIFF = 10.0
@@ -189,7 +189,7 @@ class PreparedRuns:
             return max(needed, 0.0)
         endless = "a driven mode has no damping and never stops ringing"
         takes = f"the ringing takes {needed:.4g} s" if np.isfinite(needed) else endless
-        raise BadInput(source="--ring-down", problem=takes, remedy='Give a time, such as --ring-down "20 s", or more damping')
+        raise BadInput("--ring-down", "", takes, 'Give a time, such as --ring-down "20 s", or more damping')
 
     def _response(self, motion: BaseMotion, progress: Progress, keep: bool) -> Response:
         """What the rig does, by the route that answers."""
@@ -222,10 +222,10 @@ class PreparedRuns:
             case "subdivision":
                 return self._too_stiff(error)
             case "displacement":
-                return BadInput(source="--level", problem=error.problem, remedy=error.remedy)
+                return BadInput("--level", "", error.problem, error.remedy)
             case "":
                 remedy = "Record at a lower --rate, or make the run shorter"
-                return BadInput(source="--rate", problem=error.problem, remedy=remedy)
+                return BadInput("--rate", "", error.problem, remedy)
         return of_rig(error)
 
     def _too_stiff(self, error: BadInput) -> BadInput:
@@ -250,7 +250,7 @@ class PreparedRuns:
         else:
             remedy = "Make the part lighter" if option == "--friction" else "Make it softer, leave it out"
         other = ", or take --route linear" if rig.linear else ""
-        return BadInput(source=option, problem=f"it makes exudyn's steps too short: {error.problem}", remedy=f"{remedy}{other}")
+        return BadInput(option, "", f"it makes exudyn's steps too short: {error.problem}", f"{remedy}{other}")
 
     def _too_many_modes(self) -> BadInput:
         """More modes than the step follows."""
@@ -263,7 +263,7 @@ class PreparedRuns:
         faster = COARSEST * last
         can = faster <= HIGHEST_RATE and self.question.route != EXUDYN
         more = f", or record at --rate {np.ceil(faster):.0f}" if can else ""
-        return BadInput(source="--modes", problem=problem, remedy=f"{fewer}: the others then answer statically{more}")
+        return BadInput("--modes", "", problem, f"{fewer}: the others then answer statically{more}")
 
 
 def _followed(question: ExciteOptions) -> float:
@@ -290,7 +290,7 @@ def ready(question: ExciteOptions, *, quiet: bool = False) -> PreparedRuns:
     if question.route is not None:
         if question.route == LINEAR and nonlinear:
             problem = f"the exact recursion answers linear rigs only, and {because}"
-            raise BadInput(source="--route", problem=problem, remedy="Leave --route out, or take --route exudyn")
+            raise BadInput("--route", "", problem, "Leave --route out, or take --route exudyn")
         if question.route == LARGE:
             _require_plain(question)
         route = Route(name=question.route, why="as asked")
@@ -303,7 +303,7 @@ def ready(question: ExciteOptions, *, quiet: bool = False) -> PreparedRuns:
         to_make = runs(question.drive)
     except BadInput as error:
         option, remedy = OF_PATTERN.get(error.field.partition(".")[0], ("--pattern", ""))
-        raise BadInput(source=option, problem=error.problem, remedy=remedy or error.remedy) from None
+        raise BadInput(option, "", error.problem, remedy or error.remedy) from None
     for run in to_make:
         try:
             require_recorded(run.pattern.highest, question.rate, "--rate")
@@ -311,7 +311,7 @@ def ready(question: ExciteOptions, *, quiet: bool = False) -> PreparedRuns:
             needed = float(np.ceil(2 * run.pattern.highest / PASS))
             option = "--rate" if question.drive.band == BAND else "--band"
             faster = f"Record at --rate {needed:.0f} or more, or stop" if needed <= HIGHEST_RATE else "Stop"
-            raise BadInput(source=option, problem=error.problem, remedy=f"{faster} lower with --band") from None
+            raise BadInput(option, "", error.problem, f"{faster} lower with --band") from None
     highest = np.inf if question.every_mode else _followed(question)
     with shown(f"model of {question.article}", quiet=quiet):
         made = mounted(question.article, model, question.asked, question.attached, highest)
@@ -331,13 +331,13 @@ def _require_plain(question: ExciteOptions) -> None:
         without.append("--joints" if question.asked.joints else "--damping")
     if without:
         problem = f"large drives exudyn's own beams, without {without[0]}"
-        raise BadInput(source="--route", problem=problem, remedy="Leave it out, or take --route exudyn")
+        raise BadInput("--route", "", problem, "Leave it out, or take --route exudyn")
     if question.model not in (None, EXUDYN):
         problem = f"large drives exudyn's own beams, not the {question.model} model"
-        raise BadInput(source="--route", problem=problem, remedy="Leave --model out, or take --route exudyn")
+        raise BadInput("--route", "", problem, "Leave --model out, or take --route exudyn")
     if not is_stack(question.article):
         problem = f"large drives beams made of the dimensions of built-in articles, and {question.article} has none"
-        raise BadInput(source="--route", problem=problem, remedy="Take --route linear or exudyn")
+        raise BadInput("--route", "", problem, "Take --route linear or exudyn")
 
 
 # Runs as signal files: every channel of a `Response` by name, as the campaign format has them, whole or not at all.

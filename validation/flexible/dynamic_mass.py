@@ -107,13 +107,13 @@ def lines(band: tuple[float, float], step: float) -> Array:
     low, high = band
     if not (np.isfinite(low) and np.isfinite(high) and 0 <= low < high):
         problem = f"a band goes from 0 Hz or more up to a higher frequency, found {low:g} to {high:g} Hz"
-        raise BadInput(source="--band", problem=problem, remedy="Give the lower end first: --band 4 32")
+        raise BadInput("--band", "", problem, "Give the lower end first: --band 4 32")
     if not (np.isfinite(step) and 0 < step <= high - low):
         problem = f"must be positive and fit into the band, found {step:g} Hz"
-        raise BadInput(source="--step", problem=problem, remedy="Write for example --step 0.05")
+        raise BadInput("--step", "", problem, "Write for example --step 0.05")
     count = round((high - low) / step) + 1
     if count > MOST_LINES:
-        raise BadInput(source="--step", problem=f"would make {count} lines", remedy=f"At most {MOST_LINES} are computed")
+        raise BadInput("--step", "", f"would make {count} lines", f"At most {MOST_LINES} are computed")
     return np.linspace(low, high, count)
 
 
@@ -138,8 +138,7 @@ def reference_point(about: str, article: str) -> tuple[str, Array]:
     try:
         return "point", position(about, "--about", "")
     except BadInput as error:
-        remedy = 'Give F, article, or a point such as "0 0 45 mm"'
-        raise BadInput(source="--about", problem=error.problem, remedy=remedy) from None
+        raise BadInput("--about", "", error.problem, 'Give F, article, or a point such as "0 0 45 mm"') from None
 
 
 def dynamic_mass(model: Flexible, frequency: Array, about: Array) -> DynamicMass:

@@ -72,7 +72,7 @@ def require_count(count: int, source: str) -> None:
     """
     if not 1 <= count <= MOST_MODES:
         remedy = "Ask for 20" if count < 1 else "What the modes beyond the last one kept contribute is in the residual mass"
-        raise BadInput(source=source, problem=f"must lie between 1 and {MOST_MODES}, found {count}", remedy=remedy)
+        raise BadInput(source, "", f"must lie between 1 and {MOST_MODES}, found {count}", remedy)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -111,8 +111,7 @@ def require_model(name: str, model: str, option: str = "--model") -> str:
     """
     if is_model(name) and option == "--against":
         problem = f"of what a file of your own models, no {model} model can be made"
-        remedy = "Name the built-in article or the STEP file first, and your model behind --against"
-        raise BadInput(source=name, field=option, problem=problem, remedy=remedy)
+        raise BadInput(name, option, problem, "Name the built-in article or the STEP file first, and your model behind --against")
     if is_model(name) or is_model(model):
         return OWN
     toml_file.one_of(model, MODELS, source=f"article {name}", where=option)
@@ -126,7 +125,7 @@ def require_model(name: str, model: str, option: str = "--model") -> str:
         article = "an" if model.startswith("e") else "a"
         problem = f"{article} {model} model is made of the dimensions of built-in articles, and a CAD file has none"
         remedy = "Use --model solid, which meshes any STEP file, or give a model of your own (.h5, .npz, .op4)"
-        raise BadInput(source=name, field=option, problem=problem, remedy=remedy)
+        raise BadInput(name, option, problem, remedy)
     return model
 
 
@@ -147,17 +146,16 @@ def require_used(name: str, models: Collection[str], asked: FlexibleOptions) -> 
         }
         given |= {"--joints": asked.joints, "--cells": asked.cells}
         for option in (option for option, value in given.items() if value):
-            raise BadInput(source=option, problem=f"{name} is a model that states its own", remedy="Leave it out")
+            raise BadInput(option, "", f"{name} is a model that states its own", "Leave it out")
         return
     require_use([name], reference.ArticleOptions(unit=asked.unit, material=asked.material, changes=asked.changes))
     for option, wanted, part in (("--joints", asked.joints, "clumod"), ("--cells", asked.cells, "fmd")):
         if wanted and (not {"beam", "exudyn"} & set(models) or part not in name):
             problem = f"beam models with {part} have it, found {name} as {' and '.join(models)}"
-            remedy = "Leave it out, or name such an article and --model beam or exudyn"
-            raise BadInput(source=option, problem=problem, remedy=remedy)
+            raise BadInput(option, "", problem, "Leave it out, or name such an article and --model beam or exudyn")
     if asked.size is not None and "solid" not in models:
         problem = f"only the solid model has elements of a size, found {' and '.join(models)}"
-        raise BadInput(source="--size", problem=problem, remedy="Leave it out, or add --model solid")
+        raise BadInput("--size", "", problem, "Leave it out, or add --model solid")
 
 
 def flexible(name: str, model: str, asked: FlexibleOptions) -> Flexible:
@@ -181,9 +179,7 @@ def flexible(name: str, model: str, asked: FlexibleOptions) -> Flexible:
         except BadInput as error:
             if asked.damping is not None or error.source != "damping":
                 raise
-            raise BadInput(
-                source=path, field=error.field, problem=error.problem, remedy=error.remedy
-            ) from None  # it is the file's
+            raise BadInput(path, error.field, error.problem, error.remedy) from None  # it is the file's
     if model == "solid":
         from fem.solid import model as solid
         from geometry import user_article
@@ -228,8 +224,7 @@ def require_base(model: Flexible) -> None:
         return
     support = "ground" if model.structure.grounded else "free"
     problem = f'is "{support}": it has no base, about which a dynamic mass or a base motion could be'
-    remedy = 'State support = "base" with the interface that is shaken'
-    raise BadInput(source=model.article, field="fe_model.support", problem=problem, remedy=remedy)
+    raise BadInput(model.article, "fe_model.support", problem, 'State support = "base" with the interface that is shaken')
 
 
 def _damped(modes: Modes, damping: Damping | None) -> Modes:
@@ -296,7 +291,7 @@ def chosen(name: str, model: str | None, against: str | None = None) -> tuple[st
     if model is not None and is_model(name):
         problem = f"the file is a model of your own already, of which no {model} model can be made"
         remedy = "Leave it out; to set both side by side name the article first and your model behind --against"
-        raise BadInput(source=name, field="--model", problem=problem, remedy=remedy)
+        raise BadInput(name, "--model", problem, remedy)
     first = DEFAULT if model is None else model
     if against is None:
         return (first,)
@@ -304,7 +299,7 @@ def chosen(name: str, model: str | None, against: str | None = None) -> tuple[st
     if not is_model(name) and (against == first or same_file):
         problem = f"the {against} model would stand beside itself"
         remedy = f"Name another model: {', '.join(m for m in MODELS if m != first)}, or a file with one of your own"
-        raise BadInput(source=name, field="--against", problem=problem, remedy=remedy)
+        raise BadInput(name, "--against", problem, remedy)
     return first, against
 
 

@@ -139,10 +139,10 @@ def read(text: str, model: Model, words: Vocabulary, *, fixed: bool) -> tuple[Ad
     if there is not None:
         problem = f"the model has it already, {there.named}"
         remedy = "`massline undo` takes the last one out; to start it elsewhere, change its value in the file"
-        raise BadInput(source=model.source, field=named.id, problem=problem, remedy=remedy)
+        raise BadInput(model.source, named.id, problem, remedy)
     if fixed and left:
         remedy = f"Write for example {FAMILIES[named.family].example}"
-        raise BadInput(source="--fixed", field=named.id, problem="its size is missing, to which it is to be fixed", remedy=remedy)
+        raise BadInput("--fixed", named.id, "its size is missing, to which it is to be fixed", remedy)
     switch = bool(named.sizes) and all(size.whole for size in named.sizes)
     return Added(named=named, fixed=fixed or switch), left
 
@@ -164,7 +164,7 @@ def candidate(added: Added, left: Sequence[str], study: Study, *, allowed: bool)
         if catalogue.is_local(named) and known and named.target not in known:
             problem = f"nothing is called {named.target!r} there"
             remedy = f"{nearest(named.target, known)}It has {', '.join(list(known)[:20])}"
-        raise BadInput(source=ARGUMENT, field=named.id, problem=problem, remedy=remedy)
+        raise BadInput(ARGUMENT, named.id, problem, remedy)
     # Every effect of the models free, those too whose size was given
     every = tuple(replace(each, fixed=False) for each in (*study.model.effects, added))
     made = tuple(one.with_effects(every) for one in (*study.made, *study.tests))
@@ -173,7 +173,7 @@ def candidate(added: Added, left: Sequence[str], study: Study, *, allowed: bool)
     if found is not None and found.effects and not allowed:
         problem = f"these data cannot tell it from what is in the model: {found.text}"
         remedy = "Add data that tell them apart, undo the other, or say --alias-ok: knowledge beforehand then shares it out"
-        raise BadInput(source=ARGUMENT, field=named.id, problem=problem, remedy=remedy)
+        raise BadInput(ARGUMENT, named.id, problem, remedy)
     # Of a size that was a tolerance of the model before, that; else what its family admits of a careful laboratory
     admitted = {size.key: FAMILIES[named.family].tolerance for size in named.sizes}
     if named.id in before.by_name:
@@ -433,7 +433,7 @@ def opened(asked: Options, effect: AddedEffectOptions, progress: Progress | None
         paths = history.paths(known, at.path.parent, str(history.path_beside(at.path)))
     elif not paths and not model.tests:
         problem = "there is no data: the model has no ladder yet that knows any"
-        raise BadInput(source="DATA", problem=problem, remedy="Name campaign folders behind EFFECT")
+        raise BadInput("DATA", "", problem, "Name campaign folders behind EFFECT")
     data = read_data(paths, model, progress)
     like = Conditions() if asked.data else known
     now = Conditions(
@@ -498,8 +498,7 @@ def added(study: Study, asked: AddedEffectOptions, progress: Progress | None = N
         known = (f"the model before cannot be fitted to these data, and its rung has no figures: {failed}",)
     before = at.rung
     if before is None:
-        problem = "it was changed while it was evaluated"
-        raise BadInput(source=str(at.path), problem=problem, remedy="Nothing is lost: give the command again")
+        raise BadInput(str(at.path), "", "it was changed while it was evaluated", "Nothing is lost: give the command again")
     # The sizes at which its fit begins; data that are held out do not say where
     looking = study.problem([effect]), before.plain_offsets
     effect = starting_sizes(effect, left, *looking, lambda share: tell("looking where it is", share))

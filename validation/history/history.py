@@ -370,7 +370,7 @@ def read(path: Path) -> Ladder:
     found = table.get("format")
     if toml_file.is_whole(found) and found > FORMAT:
         problem = f"its format is {found}, written by a newer massline; this one reads {FORMAT}"
-        raise BadInput(source=source, field="format", problem=problem, remedy="Use that massline. Nothing was changed")
+        raise BadInput(source, "format", problem, "Use that massline. Nothing was changed")
     if found != FORMAT or isinstance(found, bool):
         raise _refused(source, f"its format must be {FORMAT}, found {found!r}")
     try:
@@ -420,7 +420,7 @@ def ten_json(values: Array) -> dict[str, Any]:
 
 def _refused(source: str, problem: str) -> BadInput:
     remedy = "Put back a copy that is whole, or move the file away to begin a new ladder; nothing was changed"
-    return BadInput(source=source, problem=problem, remedy=remedy)
+    return BadInput(source, "", problem, remedy)
 
 
 def _errors(table: Mapping[str, Any] | None) -> Errors | None:
@@ -541,12 +541,11 @@ def read_text(path: Path) -> str:
     """
     remedy = "Name a model file; `massline model ARTICLE` writes one to start from"
     if not path.is_file():
-        problem = "this is a folder" if path.is_dir() else "there is no such file"
-        raise BadInput(source=str(path), problem=problem, remedy=remedy)
+        raise BadInput(str(path), "", "this is a folder" if path.is_dir() else "there is no such file", remedy)
     try:
         return path.read_bytes().decode("utf-8")
     except UnicodeDecodeError:
-        raise BadInput(source=str(path), problem="it is not text in UTF-8", remedy=remedy) from None
+        raise BadInput(str(path), "", "it is not text in UTF-8", remedy) from None
 
 
 def next_rung(at: HistoryPosition) -> Version:
@@ -623,7 +622,7 @@ def _gone_to(at: HistoryPosition, number: int) -> HistoryPosition:
     at = replace(at, ladder=history_position(at.path).ladder)
     if not 0 <= number < len(at.ladder.rungs):
         numbers = f"0 to {len(at.ladder.rungs) - 1}" if len(at.ladder.rungs) > 1 else "0"
-        raise BadInput(source=str(path_beside(at.path)), problem=f"there is no rung {number}", remedy=f"It has {numbers}")
+        raise BadInput(str(path_beside(at.path)), "", f"there is no rung {number}", f"It has {numbers}")
     if at.edited:
         at, _ = _kept(at, next_rung(at))
     ladder = replace(at.ladder, current=number)
@@ -647,14 +646,14 @@ def undone(at: HistoryPosition) -> HistoryPosition:
         return gone_to(at, at.below.number if at.below is not None else 0)
     if at.rung.parent is None:
         problem = f"it stands on rung {at.rung.number}, the first; there is nothing to undo"
-        raise BadInput(source=str(at.path), problem=problem, remedy="`massline ladder MODEL --go RUNG` goes to any other")
+        raise BadInput(str(at.path), "", problem, "`massline ladder MODEL --go RUNG` goes to any other")
     return gone_to(at, at.rung.parent)
 
 
 def _require_rungs(at: HistoryPosition) -> None:
     if not at.ladder.rungs:
         problem = f"it has no ladder: there is no {path_beside(at.path).name} beside it"
-        raise BadInput(source=str(at.path), problem=problem, remedy="`massline add MODEL EFFECT DATA ...` makes one")
+        raise BadInput(str(at.path), "", problem, "`massline add MODEL EFFECT DATA ...` makes one")
 
 
 # A model file has an effect of the user's own, and nobody said where it is: its ladder remembers the folder.
@@ -682,7 +681,7 @@ def reminded(path: Path) -> Iterator[None]:
         if OPTION not in error.remedy or not folders:
             raise
         remedy = f"Say {' '.join(f'{OPTION} {folder}' for folder in folders)}, as when it was added"
-        raise BadInput(source=error.source, field=error.field, problem=error.problem, remedy=remedy) from None
+        raise BadInput(error.source, error.field, error.problem, remedy) from None
 
 
 # Where a ladder's data lie and whether they are what they were: paths from its folder, and digests of what they hold.
@@ -719,8 +718,7 @@ def paths(known: Conditions, folder: Path, ladder: str) -> tuple[str, ...]:
             found.append(one.path)
         else:
             problem = f"its rung stands on {one.path}, which is not there any more"
-            remedy = "Put it back, or name the data again: MODEL EFFECT DATA ..."
-            raise BadInput(source=ladder, field="data", problem=problem, remedy=remedy)
+            raise BadInput(ladder, "data", problem, "Put it back, or name the data again: MODEL EFFECT DATA ...")
     return tuple(found)
 
 

@@ -104,7 +104,7 @@ def laboratory(model: Model, campaigns: Sequence[Campaign], progress: Progress |
     tell = progress or (lambda what, share: None)
     if model.tolerance_class == METROLOGY:
         problem = f"is {METROLOGY}, of which cells, planes and mountings are exact: nothing can be learnt of them"
-        raise BadInput(source=model.source, field="tolerances.class", problem=problem, remedy='Write class = "as-delivered"')
+        raise BadInput(model.source, "tolerances.class", problem, 'Write class = "as-delivered"')
     made = predictions(replace(model, effects=()), campaigns, progress=lambda share: tell("spectra", share))
     tell("fitting all campaigns", 0.0)
     whole = Problem(made).thinned()

@@ -101,7 +101,7 @@ def question(
     stacks = [_on_fmd(article), *([] if tare == NO_TARE else [_on_fmd(tare)])]
     if len(set(stacks)) < len(stacks):
         problem = f"the tare is the article itself, {article}"
-        raise BadInput(source="--tare", problem=problem, remedy=f"Name another known article, or --tare {NO_TARE}")
+        raise BadInput("--tare", "", problem, f"Name another known article, or --tare {NO_TARE}")
     plans = simulate.question(
         articles=stacks,
         out=Path("out"),
@@ -147,7 +147,7 @@ def _sensors(folder: Path, floors: Mapping[str, float]) -> ChannelTable:
     verdict = of_resultants(table)
     if not verdict.complete:
         problem = f"the load cells of {folder} do not tell the six resultants: {verdict.text}"
-        raise BadInput(source="--sensors", problem=problem, remedy=f"Add a cell that sees {', '.join(verdict.missing)}")
+        raise BadInput("--sensors", "", problem, f"Add a cell that sees {', '.join(verdict.missing)}")
     channels = []
     for one in table.channels:  # each with its floor times the factor that was asked for
         ordinary, asked = NOISE.get(one.quantity, 0.0), floors.get(one.quantity, 0.0)
@@ -158,7 +158,7 @@ def _sensors(folder: Path, floors: Mapping[str, float]) -> ChannelTable:
 
 def _require(value: float, option: str, words: str, *, above: float) -> None:
     if not (isfinite(value) and value > above):
-        raise BadInput(source=option, problem=f"{words}, found {value:g}", remedy="Leave it out for the ordinary one")
+        raise BadInput(option, "", f"{words}, found {value:g}", "Leave it out for the ordinary one")
 
 
 # A planned campaign as the spectra that an exact laboratory would get: the base motions of the pattern, the model, the channels.

@@ -66,7 +66,7 @@ def facts(files: Iterable[str], campaign: Campaign, *, tared: bool) -> tuple[tup
             remedy = (
                 "A tare takes the FMD off: --tare CAMPAIGN" if article == f"fmd+{reduction.article}" else "Leave the file out"
             )
-            raise BadInput(source=name, field="article.name", problem=problem, remedy=remedy)
+            raise BadInput(name, "article.name", problem, remedy)
         words += about
         found += [fact for key, value in reduction.results.items() for fact in _facts(key, value, name, campaign)]
     return tuple(found), tuple(words)
@@ -82,7 +82,7 @@ def _facts(key: str, value: object, name: str, campaign: Campaign) -> list[Fact]
         if pose is None:
             problem = f"is missing, and {name} states the CoG from the article's own origin"
             remedy = "State where that origin is mounted, [mounting] with origin"
-            raise BadInput(source=f"{campaign.source}/campaign.toml", field="mounting", problem=problem, remedy=remedy)
+            raise BadInput(f"{campaign.source}/campaign.toml", "mounting", problem, remedy)
         axis, sign = _axis("xyz".index(key[-1]), pose, name, key)
         origin = float(pose.position[axis])
         return [Fact(quantity=f"cog_{'xyz'[axis]}_mm", value=sign * size + origin, sd=sd, source=name)]
@@ -101,8 +101,7 @@ def _axis(k: int, pose: Pose, name: str, key: str) -> tuple[int, float]:
     axis = int(np.argmax(np.abs(along)))
     if abs(along[axis]) < 1 - ALONG:
         problem = f"axis {'xyz'[k]} of the article lies askew in the campaign, along {np.round(along, 4).tolist()}"
-        remedy = "Use results about the turning axis, or a mounting turned by a multiple of 90 deg"
-        raise BadInput(source=name, field=key, problem=problem, remedy=remedy)
+        raise BadInput(name, key, problem, "Use results about the turning axis, or a mounting turned by a multiple of 90 deg")
     return axis, float(np.sign(along[axis]))
 
 
@@ -162,25 +161,24 @@ class IdentifyOptions:
         else:
             if not text.isdecimal() or int(text) > MOST_MODES:
                 modes_problem = f"auto or a whole number from 0 to {MOST_MODES} is expected, found {text!r}"
-                remedy = "0 takes the article for rigid; auto lets the data choose"
-                raise BadInput(source="--modes", problem=modes_problem, remedy=remedy)
+                raise BadInput("--modes", "", modes_problem, "0 takes the article for rigid; auto lets the data choose")
             modes = int(text)
         tolerances = tolerances_of(self.tolerances)
         if self.cell_stiffness is not None and not all(isfinite(k) and k > 0 for k in self.cell_stiffness):
             problem = f"three stiffnesses above 0 N/m are expected, found {' '.join(f'{k:g}' for k in self.cell_stiffness)}"
-            raise BadInput(source="--cell-stiffness", problem=problem, remedy="One load cell along x, y and z, in N/m")
+            raise BadInput("--cell-stiffness", "", problem, "One load cell along x, y and z, in N/m")
         if not (isfinite(self.condition_limit) and self.condition_limit > 1):
             problem = f"a condition number is above 1, found {self.condition_limit:g}"
-            raise BadInput(source="--condition-limit", problem=problem, remedy=f"The default is {CONDITION_LIMIT:g}")
+            raise BadInput("--condition-limit", "", problem, f"The default is {CONDITION_LIMIT:g}")
         share = float(quantity(self.known_tolerance, "ratio", source="--known-tolerance", field="").nominal_value)
         if not 0 < share < 1:
             problem = f"a share above 0 and below 1 is expected, found {self.known_tolerance}"
-            raise BadInput(source="--known-tolerance", problem=problem, remedy=f'Write for example "{KNOWN}"')
+            raise BadInput("--known-tolerance", "", problem, f'Write for example "{KNOWN}"')
         band = self.band
         require_band(band)
         if band is not None and self.study and band[1] < NARROWEST * band[0]:
             problem = f"{band[0]:g} to {band[1]:g} Hz is too narrow for the band study, which needs {NARROWEST:g} times its start"
-            raise BadInput(source="--band", problem=problem, remedy="Choose a wider band, or leave the study out with --no-study")
+            raise BadInput("--band", "", problem, "Choose a wider band, or leave the study out with --no-study")
         return modes, tolerances, share
 
     def band_within(self, campaign: Campaign) -> list[str]:
@@ -192,7 +190,7 @@ class IdentifyOptions:
         low, high = max(of[0] for of in driven), min(of[1] for of in driven)
         if band[1] <= low or band[0] >= high:
             problem = f"{band[0]:g} to {band[1]:g} Hz is not driven: all runs of {campaign.source} drive {low:g} to {high:g} Hz"
-            raise BadInput(source="--band", problem=problem, remedy="Choose a band within")
+            raise BadInput("--band", "", problem, "Choose a band within")
         if band[0] < low or band[1] > high:
             return [f"--band {band[0]:g} {band[1]:g}: the runs of {campaign.source} drive {low:g} to {high:g} Hz only"]
         return []
@@ -207,8 +205,7 @@ class IdentifyOptions:
         try:
             return said.inertia
         except ValueError as error:
-            remedy = "State mass, CoG and moments of the FMD"
-            raise BadInput(source=self.fmd, field="inertia", problem=str(error), remedy=remedy) from None
+            raise BadInput(self.fmd, "inertia", str(error), "State mass, CoG and moments of the FMD") from None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -235,14 +232,13 @@ def ready(
     band = asked.band
     # The known article of every tare; empty for the one that the tare's campaign says
     if asked.known and not asked.tares:
-        problem = f"{asked.known[0]} is known, but there is no tare"
-        raise BadInput(source="--known", problem=problem, remedy="Name its campaign, --tare CAMPAIGN")
+        raise BadInput("--known", "", f"{asked.known[0]} is known, but there is no tare", "Name its campaign, --tare CAMPAIGN")
     if not asked.known:
         names: tuple[str, ...] = ("",) * len(asked.tares)
     else:
         if len(asked.known) != len(asked.tares):
             problem = f"one known article for each of {len(asked.tares)} tares is needed, found {len(asked.known)}"
-            raise BadInput(source="--known", problem=problem, remedy="Repeat it in the order of --tare, or leave it out")
+            raise BadInput("--known", "", problem, "Repeat it in the order of --tare, or leave it out")
         names = asked.known
     described = campaign_file.read_description(asked.campaign)
     below = [campaign_file.read_description(folder) for folder in asked.tares]
@@ -252,11 +248,10 @@ def ready(
             problem = f"is {tare.hardware}, that of {described.source} is {described.hardware}: another FMD, other sensors"
             remedy = "Such a tare says nothing about this FMD; --any-hardware combines the two all the same, and says so"
             where = f"{tare.source}/{campaign_file.NAME}"
-            raise BadInput(source=where, field="campaign.hardware", problem=problem, remedy=remedy)
+            raise BadInput(where, "campaign.hardware", problem, remedy)
     for tare, name in zip(below, names, strict=True):
         if Path(tare.source).resolve() == Path(described.source).resolve():
-            problem = f"{tare.source} is the campaign itself"
-            raise BadInput(source="--tare", problem=problem, remedy="Name the campaign of the known article")
+            raise BadInput("--tare", "", f"{tare.source} is the campaign itself", "Name the campaign of the known article")
         words += known(name or above_fmd(tare.article) or "fmd", tare, _source(name, tare))[1]
     data, said = facts(asked.classical, described, tared=bool(below) or asked.fmd is not None)
     words += [*said, *asked.band_within(described)]
@@ -267,7 +262,7 @@ def ready(
         lines = np.arange(band[0], band[1], grid.step) if there is None else there[(there >= band[0]) & (there <= band[1])]
         if len(lines) < FEWEST:
             problem = f"{band[0]:g} to {band[1]:g} Hz holds only {len(lines)} of the lines of {campaign.source}"
-            raise BadInput(source="--band", problem=problem, remedy=f"Choose a band of {FEWEST} lines or more")
+            raise BadInput("--band", "", problem, f"Choose a band of {FEWEST} lines or more")
     tares = []
     for folder, name in zip(asked.tares, names, strict=True):
         tare = there_already.get(folder) or _read(folder, progress)
@@ -308,8 +303,7 @@ def tolerances_of(settings: Sequence[str]) -> Tolerances:
         key, equals, value = (part.strip() for part in text.partition("="))
         if not equals or key not in known_keys:
             problem = f"KEY=VALUE with a tolerance's name is expected, found {text!r}"
-            remedy = f"{nearest(key, known_keys)}Known are {', '.join(known_keys)}"
-            raise BadInput(source="--tolerance", problem=problem, remedy=remedy)
+            raise BadInput("--tolerance", "", problem, f"{nearest(key, known_keys)}Known are {', '.join(known_keys)}")
         dimension = DIMENSIONS.get(key, "ratio")
         changed[key] = float(quantity(value, dimension, source="--tolerance", field=key).nominal_value)
     return Tolerances(**changed)

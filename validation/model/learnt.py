@@ -127,14 +127,14 @@ class Learnt:
         table = toml_file.read(path, remedy="`massline laboratory CAMPAIGN ... --out FILE` writes one")
         if table.get("kind") != KIND:
             problem = f"a file of kind {KIND!r} is expected, found {table.get('kind')!r}"
-            raise BadInput(source=source, field="kind", problem=problem, remedy="`massline laboratory` writes one")
+            raise BadInput(source, "kind", problem, "`massline laboratory` writes one")
         toml_file.require_format(table, source)
         whole = Fields(source=source, place="", table=table)
         whole.only(("format", "kind", "hardware", "class", "campaigns", "known", "mounting"))
         told = whole.text("hardware")
         if hardware and told != hardware:
             problem = f"it was learnt of {told!r}, and the model describes {hardware!r}: other sensors have other errors"
-            raise BadInput(source=source, field="hardware", problem=problem, remedy="Name the file of this hardware")
+            raise BadInput(source, "hardware", problem, "Name the file of this hardware")
         known, mounting = whole.inner("known"), whole.inner("mounting").only([row.key for row in ANEW])
 
         def number(of: Fields, key: str, *, positive: bool = False) -> float:

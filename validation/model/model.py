@@ -223,33 +223,29 @@ def require_pair(model: Model, campaigns: Sequence[Campaign]) -> None:
         an effect that acts on a channel, a place or a part that none of the campaigns has.
     """
     if not campaigns:
-        problem = "there is no campaign to hold it against"
-        raise BadInput(source=model.source, problem=problem, remedy="Name at least one campaign folder")
+        raise BadInput(model.source, "", "there is no campaign to hold it against", "Name at least one campaign folder")
     for campaign in campaigns:
         file = str(Path(campaign.source) / NAME)
         if not (_own(model, campaign) or set(campaign.article.split("+")) <= set(NAMES)):
             near = nearest(campaign.article, (*model.own, model.article))
             problem = f"is {campaign.article}, which is not built in, and {model.source} has no model of it"
             remedy = f"{near}Name its file in [structure.own] of {model.source}, or correct the article"
-            raise BadInput(source=file, field="campaign.article", problem=problem, remedy=remedy)
+            raise BadInput(file, "campaign.article", problem, remedy)
         hardware, first = campaign.hardware, campaigns[0]
         if model.hardware and hardware and hardware != model.hardware:
             problem = f"is {hardware}, and {model.source} describes {model.hardware}: another FMD, other sensors"
-            remedy = "Use the model of this hardware, or correct `laboratory.hardware`"
-            raise BadInput(source=file, field="campaign.hardware", problem=problem, remedy=remedy)
+            raise BadInput(file, "campaign.hardware", problem, "Use the model of this hardware, or correct `laboratory.hardware`")
         if hardware and first.hardware and hardware != first.hardware:
             problem = f"is {hardware}, and that of {first.source} is {first.hardware}: one model describes one hardware"
-            raise BadInput(source=file, field="campaign.hardware", problem=problem, remedy="Compare them one after the other")
+            raise BadInput(file, "campaign.hardware", problem, "Compare them one after the other")
         if abs(campaign.gravity - model.gravity) > GRAVITY:
             problem = f"is {campaign.gravity:g} m/s^2, and `laboratory.gravity_m_s2` of {model.source} is {model.gravity:g}"
-            remedy = "Correct the one that is wrong; 0 is a test without gravity"
-            raise BadInput(source=file, field="environment.gravity", problem=problem, remedy=remedy)
+            raise BadInput(file, "environment.gravity", problem, "Correct the one that is wrong; 0 is a test without gravity")
     wanted = _families(model.article)
     if wanted and not any(_families(campaign.article) & wanted for campaign in campaigns):
         articles = ", ".join(f"{campaign.article} ({campaign.source})" for campaign in campaigns)
         problem = f"is {model.article}, of which no campaign has a part: {articles}"
-        remedy = "Name the campaign of this article, or the model of these"
-        raise BadInput(source=model.source, field="model.article", problem=problem, remedy=remedy)
+        raise BadInput(model.source, "model.article", problem, "Name the campaign of this article, or the model of these")
     # Each campaign with the first that has its hardware
     of_hardware: dict[str, Campaign] = {}
     for campaign in campaigns:
@@ -260,7 +256,7 @@ def require_pair(model: Model, campaigns: Sequence[Campaign]) -> None:
             remedy = (
                 "Correct the table that is wrong, or give what was changed between the tests a `campaign.hardware` of its own"
             )
-            raise BadInput(source=str(Path(campaign.source) / NAME), field="channel", problem=problem, remedy=remedy)
+            raise BadInput(str(Path(campaign.source) / NAME), "channel", problem, remedy)
     for added in model.effects:
         require_target(model, campaigns, added.named, model.source)
 
@@ -274,7 +270,7 @@ def require_target(model: Model, campaigns: Sequence[Campaign], named: Named, so
     """
     if on_article(named) and not any(above_fmd(campaign.article) for campaign in campaigns):
         problem = f"nothing stands on the cover plate: {_articles(campaigns)}"
-        raise BadInput(source=source, field=f"effect {named.id}", problem=problem, remedy="Name the campaign of an article")
+        raise BadInput(source, f"effect {named.id}", problem, "Name the campaign of an article")
     words = vocabulary(model, campaigns)
     for kind, target in zip(FAMILIES[named.family].targets, named.targets, strict=False):
         legal = words.parts if of_parts(named) else words.legal(kind) if kind in (*OF_CHANNELS, PLACE) else None
@@ -289,7 +285,7 @@ def require_target(model: Model, campaigns: Sequence[Campaign], named: Named, so
         else:
             problem = f"no article here has the {PART if of_parts(named) else kind} {target!r}: {_articles(campaigns)}"
             near = f"{near}, or add the campaign of the article that has it"
-        raise BadInput(source=source, field=f"effect {named.id}", problem=problem, remedy=near)
+        raise BadInput(source, f"effect {named.id}", problem, near)
 
 
 def vocabulary(model: Model, campaigns: Sequence[Campaign]) -> Vocabulary:

@@ -160,7 +160,7 @@ def effects_of(whole: Fields, *, anywhere: bool) -> tuple[Added, ...]:
             named = parse(f"{name}={value}" if value else name, words, source=entry.source)
         except BadInput as error:
             at = f"{entry.path('value' if name == error.field and value else 'id')}, {name}"
-            raise BadInput(source=entry.source, field=at, problem=error.problem, remedy=error.remedy) from None
+            raise BadInput(entry.source, at, error.problem, error.remedy) from None
         added = Added(named=named, deviation=_deviation(entry, named), fixed=entry.switch("fixed", False))
         if added.named.id in found:
             problem = f"{added.named.id} stands there twice"
@@ -304,7 +304,7 @@ def of_table(table: dict[str, Any], source: str) -> Model:
         remedy = f"MODEL comes first and DATA behind it. {remedy}" if kind == toml_file.KINDS["kind"] else remedy
         if STRUCTURE_FILE[0] in table:
             remedy = f"`massline model {source} --test TEST --out STUDY` writes one for both; without --test, one to simulate"
-        raise BadInput(source=source, field="model", problem=f"{what}, where a model file is needed", remedy=remedy)
+        raise BadInput(source, "model", f"{what}, where a model file is needed", remedy)
     toml_file.require_format(table, source)
     whole = Fields(source=source, place="", table=table).only(TABLES)
     about, structure = whole.inner("model").only(MODEL), whole.inner("structure").only(STRUCTURE)
@@ -465,12 +465,10 @@ def study_text(path: str, tests: Sequence[str], out: Path) -> str:
     from fem.user_model import reading
 
     if not Path(path).is_file() or not reading.is_model(path):
-        problem = "it is no FE model of your own"
-        raise BadInput(source=path, problem=problem, remedy="Name its description or data; --test goes with these")
+        raise BadInput(path, "", "it is no FE model of your own", "Name its description or data; --test goes with these")
     structure = reading.load(path)
     if not isinstance(structure.model, Structure):
-        problem = "is known by modal data alone, which have no places"
-        raise BadInput(source=path, problem=problem, remedy="Bring its matrices, its mesh or a frame")
+        raise BadInput(path, "", "is known by modal data alone, which have no places", "Bring its matrices, its mesh or a frame")
 
     tables, articles = list[dict[str, Any]](), dict[str, str]()
     own = re.sub(r"[^A-Za-z0-9_-]+", "-", Path(path).stem)
@@ -480,8 +478,7 @@ def study_text(path: str, tests: Sequence[str], out: Path) -> str:
             moved = test_file.moved(table, name, out)
             tables.append({key: one for key, one in moved.items() if key not in ("format", "article")})
     if len(articles) > 1:
-        problem = f"they are of {' and of '.join(articles)}"
-        raise BadInput(source="--test", problem=problem, remedy="Write a study for each")
+        raise BadInput("--test", "", f"they are of {' and of '.join(articles)}", "Write a study for each")
     article = next(iter(articles), own)
     stated = toml_file.read(path).get("model", {}) if Path(path).suffix == ".toml" else {}
     title = string(str(stated.get("title", structure.name)))
@@ -516,7 +513,7 @@ def draft(article: str, out: Path | None = None) -> Model:
                 at = path.with_name(at.name)  # what it names is seen from there alone
             if at.resolve() in {Path(one).resolve() for one in found.own.values()}:
                 problem = "the structure that it describes would not be in it any more"
-                raise BadInput(source=str(out), field="--out", problem=problem, remedy="Name another file")
+                raise BadInput(str(out), "--out", problem, "Name another file")
             return replace(found, source=str(at), tests=tuple(test_file.moved(one, article, at) for one in found.tests))
     from fem.user_model.reading import is_model
     from geometry.user_article import require_file
@@ -525,13 +522,13 @@ def draft(article: str, out: Path | None = None) -> Model:
         built_in(article)
         if article.split("+")[0] != KNOWN_FMD:
             problem = "a model file describes what stands on the FMD, which must be the lowest of the stack"
-            raise BadInput(source=f"article {article}", problem=problem, remedy=f"Name {KNOWN_FMD}+{article}")
+            raise BadInput(f"article {article}", "", problem, f"Name {KNOWN_FMD}+{article}")
         title, own = "the FMD alone" if article == KNOWN_FMD else f"{above_fmd(article)} on the FMD", dict[str, str]()
     else:
         if not is_model(article):
             path = require_file(article)
         elif not path.is_file():
-            raise BadInput(source=article, problem="there is no such file", remedy="Check the path")
+            raise BadInput(article, "", "there is no such file", "Check the path")
         name = path.parent.resolve().name if path.name == DESCRIPTION else path.stem
         said = path.with_suffix(".toml")  # by itself, or beside its data
         stated = toml_file.read(said).get(STRUCTURE_FILE[0]) if said.is_file() else None
@@ -581,7 +578,7 @@ def with_effect(text: str, added: Added, source: str = SOURCE) -> str:
 def _read(text: str, source: str) -> Model:
     if source.lower().endswith(".json"):
         problem = "it is JSON, which is read but not edited: it has no comments to keep"
-        raise BadInput(source=source, problem=problem, remedy=f"massline model {source} --out FILE.toml writes it as TOML")
+        raise BadInput(source, "", problem, f"massline model {source} --out FILE.toml writes it as TOML")
     return of_text(text, source)
 
 
@@ -626,7 +623,7 @@ def _facts(effects: Iterable[Added]) -> list[tuple[object, ...]]:
 
 def _laid_out_otherwise(source: str) -> BadInput:
     problem = "its effects are not laid out so that one can be changed alone"
-    return BadInput(source=source, field="effect", problem=problem, remedy="Write each as a table of its own, [[effect]]")
+    return BadInput(source, "effect", problem, "Write each as a table of its own, [[effect]]")
 
 
 # A `Model` as the text of its file, with comments; and a file's own text with an effect more or less, its comments kept.

@@ -68,7 +68,7 @@ def known(name: str, campaign: Campaign, source: str = "--known") -> tuple[Inert
     else:
         problem = f"{name} is not what stands on the FMD in {campaign.source}, whose article is {campaign.article}"
         remedy = f"{nearest(name, (there,))}Leave {source} out to take {there}, or correct `campaign.article`"
-        raise BadInput(source=source, problem=problem, remedy=remedy)
+        raise BadInput(source, "", problem, remedy)
     pose, said = mounted(campaign)
     return _inertia(above_fmd(name), source).placed(pose), said
 
@@ -104,4 +104,4 @@ def _inertia(name: str, source: str) -> Inertia:
     try:
         return routes.inertia(built_in(name))
     except BadInput as error:
-        raise BadInput(source=source, problem=error.problem, remedy=error.remedy) from None
+        raise BadInput(source, "", error.problem, error.remedy) from None

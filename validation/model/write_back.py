@@ -139,14 +139,14 @@ class Deck:
         path = Path(model.own.get(model.article, next(iter(model.own.values()), "")))
         if path.suffix != ".toml" or not reading.is_model(path):
             problem = "has no FE model of your own that a TOML describes, and massline's own beams stand in no deck"
-            raise BadInput(source=model.source, field="fe_model", problem=problem, remedy="Bring a mesh: docs/own-model.md")
+            raise BadInput(model.source, "fe_model", problem, "Bring a mesh: docs/own-model.md")
         table = toml_file.read(path)[matrices.TABLE]
         new = count(FIRST_MATERIAL)
         if described.described(path):
             found = described.read(path)
             if found.kind != "mesh":
                 problem = "is an assembly, which massline meshes anew each time: its nodes stand in no deck"
-                raise BadInput(source=str(path), field="fe_model.kind", problem=problem, remedy='Bring your mesh, kind = "mesh"')
+                raise BadInput(str(path), "fe_model.kind", problem, 'Bring your mesh, kind = "mesh"')
             length, mesh = str(table["units"]), found.mesh()
             system = length if "-" in length else UNITS.get(length, f"{length}-N-s")
             return cls(
@@ -177,8 +177,7 @@ class Deck:
             )
         about = matrices.read_description(path)
         if not about.units.known:
-            problem = "of its matrices nobody knows the units"
-            raise BadInput(source=str(path), field="fe_model.units", problem=problem, remedy="State them, as in mm-t-N-s")
+            raise BadInput(str(path), "fe_model.units", "of its matrices nobody knows the units", "State them, as in mm-t-N-s")
         places = {name: place.node for name, place in about.named.places.items() if place.node is not None}
         springs = {
             name: (one.stiffness, tuple(end for end in one.between if end != GROUND))
@@ -251,8 +250,7 @@ def written(model: Model, form: str) -> str:
     CheckFailed : none of them can be written.
     """
     if not model.effects:
-        problem = "has no effect: nothing was found and added yet"
-        raise BadInput(source=model.source, field="effect", problem=problem, remedy="massline add MODEL EFFECT")
+        raise BadInput(model.source, "effect", "has no effect: nothing was found and added yet", "massline add MODEL EFFECT")
 
     def told(one: Added) -> str:
         """An effect with its size and interval, in SI."""

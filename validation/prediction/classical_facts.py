@@ -379,7 +379,7 @@ def _fact(source: str, of: OfArticle, words: str, weights: Array, value: "UFloat
     size, sd = float(value.nominal_value), float(value.std_dev) / NORMAL_95
     if not 0 < sd < np.inf:
         problem = "is stated without a tolerance, so that nobody knows what it is worth"
-        raise BadInput(source=source, field=words, problem=problem, remedy="State the tolerances of the readings behind it")
+        raise BadInput(source, words, problem, "State the tolerances of the readings behind it")
     return ArticleFact(name=f"{source}: {words}", of=of, weights=weights, value=size, deviation=sd, spread=spread(value))
 
 
@@ -393,7 +393,7 @@ def article_of(model: Model, source: str, stated: str) -> OfArticle:
     name = stated or above_fmd(model.article)
     if not name or name.split("+")[0] == FMD:
         problem = f"it is about {name or FMD}, and a model knows the FMD's inertia only by its tare"
-        raise BadInput(source=source, field="article.name", problem=problem, remedy="Measure what stands on it alone")
+        raise BadInput(source, "article.name", problem, "Measure what stands on it alone")
     inertia = drawn_inertia(model, name)
     built_in = set(name.split("+")) <= set(NAMES)
     places = locations(name, changes_of(name, model.changes)) if built_in else {}
@@ -432,10 +432,10 @@ def require_bodies(model: Model, campaigns: Sequence[Campaign]) -> None:
         problem = _problem(of.matrices, effects)
         if problem and not _problem(of.matrices, ()):  # what was no body before is not the fault of effects
             raise BadInput(
-                source=model.source,
-                field=f"effect {', '.join(one.named.id for one in effects)}",
-                problem=f"with {', '.join(str(one.named) for one in effects)} no body is left of {article}: {problem}",
-                remedy="Check sign and unit of the size; a mass is added to the drawing, and a negative one taken away from it",
+                model.source,
+                f"effect {', '.join(one.named.id for one in effects)}",
+                f"with {', '.join(str(one.named) for one in effects)} no body is left of {article}: {problem}",
+                "Check sign and unit of the size; a mass is added to the drawing, and a negative one taken away from it",
             )
 
 

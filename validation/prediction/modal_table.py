@@ -584,7 +584,7 @@ def of(
         every = partners(modes, table)
     except ValueError as error:
         remedy = "Keep more modes of the model, or leave modes out of the table"
-        raise BadInput(source=table.source, field="frequencies", problem=str(error), remedy=remedy) from None
+        raise BadInput(table.source, "frequencies", str(error), remedy) from None
     damped = table.damping_ratio is not None and table.damping_deviation is not None
     values, deviation = [table.frequency], [table.frequency_deviation]
     if table.damping_ratio is not None and table.damping_deviation is not None:
@@ -659,7 +659,7 @@ def _require_hertz(table: ModalTable, f: Array) -> None:
             if np.std(off) < ONE_UNIT and abs(np.mean(off)) < ONE_UNIT:
                 problem = f"are {size * np.exp(np.mean(off)):.3g} times those of the model, all {len(own)} within "
                 problem += f"{100 * np.ptp(off):.2g} % of each other: they look like {unit}"
-                raise BadInput(source=table.source, field="frequencies", problem=problem, remedy="Write them in hertz")
+                raise BadInput(table.source, "frequencies", problem, "Write them in hertz")
 
 
 def _by_line(rows: ComplexArray, count: int) -> ComplexArray:

@@ -50,7 +50,7 @@ def require_places(points: Sequence[Point], places: Collection[str], whose: str,
     for one in points:
         if one.place not in places:
             known = f"{nearest(one.place, places)}Its places are {', '.join(list(places)[:20]) or 'none'}; name it there"
-            raise BadInput(source=source, field=one.place, problem=f"{whose} has no such place", remedy=known)
+            raise BadInput(source, one.place, f"{whose} has no such place", known)
 
 
 def asked(effects: Sequence[Added], families: Sequence[str]) -> list[str]:

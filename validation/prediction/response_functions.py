@@ -499,8 +499,7 @@ def of(structure: Nuisances, data: ResponseFunctions, tolerances: Tolerances = p
     low, high = data.band
     kept = data.frequency > 0
     if not np.any(kept & (data.frequency >= low) & (data.frequency <= high)):
-        problem = f"no line lies within {low:g} to {high:g} Hz"
-        raise BadInput(source=data.source, field="band", problem=problem, remedy="Correct it")
+        raise BadInput(data.source, "band", f"no line lies within {low:g} to {high:g} Hz", "Correct it")
     f, values, noise = data.frequency[kept], data.values[:, kept], None
     if data.coherence is not None and data.averages > 1:
         # |H| sqrt((1 - g²) / (g² averages)), both parts together: J. S. Bendat and A. G. Piersol, Random Data, 2010, section 9.2
@@ -550,7 +549,7 @@ def of(structure: Nuisances, data: ResponseFunctions, tolerances: Tolerances = p
     a, b = (one - one.mean(axis=1, keepdims=True) for one in (y, p))
     if np.sum(a * b) < UPSIDE_DOWN * np.sqrt(np.sum(a * a) * np.sum(b * b)) and np.abs(p + y).mean() < np.abs(p - y).mean():
         problem = "its functions are force over response: small at resonances, and large where little should be read"
-        raise BadInput(source=data.source, field="inverted", problem=problem, remedy="Write inverted = true in the test")
+        raise BadInput(data.source, "inverted", problem, "Write inverted = true in the test")
     if data.scaled:
         return (test,)
     # The level of the model brought to that of the data, with the sign of power that goes in

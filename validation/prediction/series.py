@@ -228,10 +228,10 @@ def with_unmeasured(campaign: Campaign) -> Campaign:
     if along is None:
         problem = f"is stated, and its runs are driven along {', '.join(sorted(map(str, driven)))}"
         remedy = "Make a campaign of the runs along each of x, y and z; rotations need measured base motions"
-        raise BadInput(source=campaign.source, field="campaign.cross_motion", problem=problem, remedy=remedy)
+        raise BadInput(campaign.source, "campaign.cross_motion", problem, remedy)
     if not _base_along(campaign, along):
         problem = f"is stated, and no accelerometer on the base reads along {MOTIONS[along]}"
-        raise BadInput(source=campaign.source, field="campaign.cross_motion", problem=problem, remedy="Add it to [[channel]]")
+        raise BadInput(campaign.source, "campaign.cross_motion", problem, "Add it to [[channel]]")
     made, e, size = list[Channel](), np.eye(3), campaign.cross_motion  # `_with_their_size` has it as a share of each line
     for k, axis in enumerate(MOTIONS):
         turned = e[k % 3]  # about it, or along it
@@ -316,8 +316,7 @@ def predictions(
     if len(by_hardware) > 1:
         listed = "; ".join(f"{hardware} in {source}" for hardware, source in by_hardware.items())
         problem = f"one model holds for one FMD and its sensors, found {listed}"
-        remedy = "Compare campaigns of one hardware at a time, each with a model of its own"
-        raise BadInput(source="series", field="hardware", problem=problem, remedy=remedy)
+        raise BadInput("series", "hardware", problem, "Compare campaigns of one hardware at a time, each with a model of its own")
     found, tell, count = [], progress or (lambda share: None), len(campaigns)
     for k, (stated, name) in enumerate(zip(campaigns, names(campaigns), strict=True)):
         campaign = with_unmeasured(stated)
@@ -330,7 +329,7 @@ def predictions(
             problem = (
                 f"nothing is left that tells more than the base: {next(one for one in stands.remarks if stands.unread[0] in one)}"
             )
-            raise BadInput(source=campaign.source, field="channel", problem=problem, remedy="Or measure the forces below it")
+            raise BadInput(campaign.source, "channel", problem, "Or measure the forces below it")
         unread = ", ".join(name for name in of.left_out if name not in stands.unread)
         why = f"not used: {unread}, which read no motion of cover plate, table or article, and no load of the FMD"
         tested = TestedCampaign(

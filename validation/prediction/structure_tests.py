@@ -86,7 +86,7 @@ def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePredictio
         if article not in model.own:
             problem = f"is {article}, and {model.source} has no model of it"
             remedy = f"{nearest(article, model.own)}Name its file in [structure.own] of {model.source}, or correct the article"
-            raise BadInput(source=own[0].source, field="article", problem=problem, remedy=remedy)
+            raise BadInput(own[0].source, "article", problem, remedy)
         path = model.own[article]
         users = mounting.users_model(path, mounting.stamp(path)).model
         if isinstance(users, Structure):
@@ -100,7 +100,7 @@ def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePredictio
     names = [one.measured.name for one in found]
     for name in names:
         if names.count(name) > 1:
-            raise BadInput(source=name, field="test", problem="two tests have this name", remedy="Give each a `title` of its own")
+            raise BadInput(name, "test", "two tests have this name", "Give each a `title` of its own")
     stated: dict[str, tuple[bool, str]] = {}
     for made in found:
         for parameter in made.parameters:
@@ -109,7 +109,7 @@ def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePredictio
                 pair = (by, made.measured.name) if unknown else (made.measured.name, by)
                 problem = f"is unknown in {pair[0]}, known in {pair[1]}"
                 remedy = 'State `gain` and `force_gain` alike, or name the sensor apart: { place = "tip:z", name = "tip-z-2" }'
-                raise BadInput(source="test", field=parameter.name, problem=problem, remedy=remedy)
+                raise BadInput("test", parameter.name, problem, remedy)
     return tuple(found)
 
 
@@ -125,8 +125,7 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
     path = model.own[article]
     users = mounting.users_model(path, mounting.stamp(path))
     if not isinstance(users.model, Structure):
-        problem = "is known by modal data alone, which have no places"
-        raise BadInput(source=path, field=article, problem=problem, remedy="Bring its matrices or its mesh")
+        raise BadInput(path, article, "is known by modal data alone, which have no places", "Bring its matrices or its mesh")
     structure = users.model
     points = {point.place: (one.source, point) for one in tests for point in points_of(one)}
     rows: dict[str, Sparse] = {}  # (3, n) what each degree of freedom moves a point, by its number or its coordinates
@@ -135,8 +134,7 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
         word, _, number = point.place.partition(" ")
         if word == "dof" and number.isdecimal():
             if int(number) >= n:
-                problem = f"there is no such row: the matrices have {n}, counted from 0"
-                raise BadInput(source=source, field=point.place, problem=problem, remedy="Correct it")
+                raise BadInput(source, point.place, f"there is no such row: the matrices have {n}, counted from 0", "Correct it")
             rows[point.place] = csr_array(([1.0], ([0], [int(number)])), shape=(3, n))
         elif (at := position(point.place) if point.position is None else point.position) is not None:
             rows[point.place] = place_rows(structure, at, source, point.place)[0]
@@ -228,13 +226,13 @@ def within(test: Test, band: tuple[float, float] | None) -> Test:
     low, high = test.band if isinstance(test, ResponseFunctions) else (float(test.frequency.min()), float(test.frequency.max()))
     if band[0] > high or band[1] < low:
         problem = f"is {band[0]:g} to {band[1]:g} Hz, and {test.title} has {low:g} to {high:g} Hz"
-        raise BadInput(source="--band", field=test.title, problem=problem, remedy="Ask for a band that it has, or leave it out")
+        raise BadInput("--band", test.title, problem, "Ask for a band that it has, or leave it out")
     if isinstance(test, ResponseFunctions):
         return replace(test, band=(max(band[0], low), min(band[1], high)))
     kept = np.flatnonzero((test.frequency >= band[0]) & (test.frequency <= band[1]))
     if not len(kept):
         problem = f"no mode of {test.title} lies within {band[0]:g} to {band[1]:g} Hz"
-        raise BadInput(source="--band", field=test.title, problem=problem, remedy="Ask for a wider band, or leave it out")
+        raise BadInput("--band", test.title, problem, "Ask for a wider band, or leave it out")
     return test.of_modes(kept.tolist())
 
 
@@ -274,12 +272,12 @@ def aligned(structure: Structure, test: Test) -> Test:
         scaled = np.linalg.norm(factor * p @ R.T - q, axis=1).max()
         units = f"; times {factor:.4g} they would match: look at their unit" if scaled < APART * extent else ""
         raise BadInput(
-            source=test.source,
-            field="coordinates",
-            problem="the points of test and model do not match: aligned as well as can be, "
+            test.source,
+            "coordinates",
+            "the points of test and model do not match: aligned as well as can be, "
             f"{list(there)[int(np.argmax(off))]} lies {1e3 * off.max():.4g} mm off, "
             f"all {len(there)} {1e3 * np.sqrt(np.mean(off**2)):.4g} mm in the mean{units}",
-            remedy="Correct the coordinates or the names of places, or leave the coordinates out",
+            "Correct the coordinates or the names of places, or leave the coordinates out",
         )
     if np.allclose(R, np.eye(3), atol=1e-3):
         R = np.eye(3)

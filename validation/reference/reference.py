@@ -77,7 +77,7 @@ def require_used(names: Collection[str], changes: Mapping[str, float]) -> None:
 
 
 def _refused(key: str, problem: str, remedy: str) -> BadInput:
-    return BadInput(source=OPTION, field=key, problem=problem, remedy=remedy)
+    return BadInput(OPTION, key, problem, remedy)
 
 
 # `ReferenceTable`: what the routes, print, balance, pendulum and identification say about one article, side by side.
@@ -287,7 +287,7 @@ def require_use(names: Sequence[str], asked: ArticleOptions) -> None:
     values = (("--unit", asked.unit), ("--material", asked.material), ("--repair", asked.repair or None))
     given = [option for option, value in values if value is not None]
     if given and all(map(is_stack, names)):
-        raise BadInput(source=given[0], problem="a built-in article states its own", remedy="Leave it out, or name a file")
+        raise BadInput(given[0], "", "a built-in article states its own", "Leave it out, or name a file")
     if asked.changes:
         require_used([name for name in names if not is_file(name)], asked.changes)
 
@@ -351,7 +351,7 @@ def reference(name: str, choice: str | None, asked: ArticleOptions, frame: Pose)
     printed = {} if is_file(name) else published(name).statements
     if choice is not None and choice in printed:
         if asked.changes:
-            raise BadInput(source=OPTION, problem=f"{choice} values are those of the unchanged article", remedy="Leave it out")
+            raise BadInput(OPTION, "", f"{choice} values are those of the unchanged article", "Leave it out")
         return choice, seen_from(printed[choice], frame)
     only = None if asked.changes else choice or ROUTES[0]
     routes = _of_file(name, asked) if is_file(name) else _of_built_in(name, asked, only=only)
@@ -361,7 +361,7 @@ def reference(name: str, choice: str | None, asked: ArticleOptions, frame: Pose)
     if chosen not in routes.inertias:
         possible = (*(c for c in (PUBLISHED, MEASURED) if c in printed), *(routes.inertias if is_file(name) else ROUTES))
         remedy = f"Choose one of {', '.join(possible)}"
-        raise BadInput(source=f"article {name}", field="--reference", problem=f"nothing {chosen} is known of it", remedy=remedy)
+        raise BadInput(f"article {name}", "--reference", f"nothing {chosen} is known of it", remedy)
     exact = routes.statements()[chosen]
     if PUBLISHED in printed:
         widened = tuple(
@@ -397,7 +397,7 @@ def _of_built_in(name: str, asked: ArticleOptions, only: str | None = None) -> _
         if not asked.changes:
             raise
         problem = f"no body of {article.name} can be made with these dimensions ({type(error).__name__})"
-        raise BadInput(source=OPTION, problem=problem, remedy="Check the sizes and their unit") from error
+        raise BadInput(OPTION, "", problem, "Check the sizes and their unit") from error
     verdict = agreement(article, inertias, chord)
     agree, text = verdict.agree, verdict.text
     if asked.changes or "+" in name:
@@ -575,15 +575,14 @@ def read_result(name: str, *, article: str, frame: Pose | None = None, way: str 
         if isinstance(about, str) and not _is_built_in(about) and not _is_built_in(article):
             warnings = (f"{name}: {problem}",)
         else:
-            raise BadInput(source=name, field="article", problem=problem, remedy="Name the same article, or correct the file")
+            raise BadInput(name, "article", problem, "Name the same article, or correct the file")
     # An identification's `table` with the result of `way` in the place of the one that counts
     if not way:
         of_way: dict[str, Any] = table
     else:
         key = way.replace("-", "_")
         if not isinstance(table.get(key), dict):
-            problem = f"there is no {way} result"
-            raise BadInput(source=name, field=key, problem=problem, remedy="Give the JSON of `massline identify`")
+            raise BadInput(name, key, f"there is no {way} result", "Give the JSON of `massline identify`")
         of_way = {**table, **{part: table[key].get(part) for part in ("inertia", "interval95")}}
     return StatedResult(statement=_statement(of_way, name, article, frame), warnings=warnings)
 
@@ -608,8 +607,7 @@ def _statement(table: dict[str, Any], name: str, article: str, frame: Pose | Non
     if any(key in table for key in _IDENTIFY[1:]) and "inertia" in table:
         if table.get("origin") == "F" and frame is None and not article.startswith("fmd"):
             problem = f"the CoG is stated from F, and {article} does not say where F is"
-            remedy = 'Say where F is in the article\'s frame, for example --frame "0 0 -45 mm"'
-            raise BadInput(source=name, field="origin", problem=problem, remedy=remedy)
+            raise BadInput(name, "origin", problem, 'Say where F is in the article\'s frame, for example --frame "0 0 -45 mm"')
         inertia = toml_file.require_table(table["inertia"], source=name, where="inertia")
         intervals = toml_file.require_table(table.get("interval95") or {}, source=name, where="interval95")
         said = _from_inertia(inertia, name, intervals)
@@ -620,14 +618,14 @@ def _statement(table: dict[str, Any], name: str, article: str, frame: Pose | Non
     remedy = (
         "Did you mean format? " if difflib.get_close_matches("format", list(table)) else ""
     ) + "Write format = 1 and an [inertia] table, or give the JSON of `massline identify`"
-    raise BadInput(source=name, field="format", problem=problem, remedy=remedy)
+    raise BadInput(name, "format", problem, remedy)
 
 
 def _from_inertia(inertia: dict[str, Any], name: str, intervals: dict[str, Any] | None = None) -> Statement:
     toml_file.require_present(inertia, _PRINTED, source=name)
     if inertia.get("about", "cog") != "cog":
         problem = f'INERTIA is about "cog", found {inertia["about"]!r}'
-        raise BadInput(source=name, field="about", problem=problem, remedy="State another point in a file of format = 1")
+        raise BadInput(name, "about", problem, "State another point in a file of format = 1")
     values: list[Stated | None] = []
     for key, (factor, length) in _PRINTED.items():
         place = f"interval95.{key}"
@@ -650,11 +648,11 @@ def _list(value: Any, length: int, name: str, field: str) -> list[Any]:
         return [None] * length
     listed = [value] if length == 1 else value
     if not isinstance(listed, list) or len(listed) != length:
-        raise BadInput(source=name, field=field, problem=f"must be a list of {length}, found {value!r}", remedy="See INERTIA")
+        raise BadInput(name, field, f"must be a list of {length}, found {value!r}", "See INERTIA")
     return listed
 
 
 def _finite(value: Any, name: str, field: str) -> float:
     if not toml_file.is_number(value) or not abs(value) < float("inf"):
-        raise BadInput(source=name, field=field, problem=f"must be a finite number, found {value!r}", remedy="Correct it")
+        raise BadInput(name, field, f"must be a finite number, found {value!r}", "Correct it")
     return float(value)

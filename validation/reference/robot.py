@@ -277,7 +277,7 @@ def findings(path: Path, name: str | None = None) -> RobotFindings:
     if not chosen:
         names = [link.name for link in read.links]
         remedy = f"{nearest(name or '', names)}Its links are {', '.join(names)}"
-        raise BadInput(source=str(path), field="--link", problem=f"it has no link {name!r}", remedy=remedy)
+        raise BadInput(str(path), "--link", f"it has no link {name!r}", remedy)
     known: _Known = {}
     links = []
     for link in chosen:
@@ -318,10 +318,10 @@ _Known = dict[tuple[Path, tuple[float, ...]], DrawnShape | BadInput]
 def _drawn(shape: LinkShape, known: _Known) -> DrawnShape:
     """`shape` in the link, at unit density; what meshes hold is kept in `known`."""
     if shape.lost:
-        raise BadInput(source=shape.kind, problem=shape.lost, remedy="")
+        raise BadInput(shape.kind, "", shape.lost, "")
     if shape.file is None:
         if not all(size > 0 for size in shape.size):
-            raise BadInput(source=shape.kind, problem=f"its size is {shape.size}", remedy="")
+            raise BadInput(shape.kind, "", f"its size is {shape.size}", "")
         corners = shape.half_extent * np.array(list(product((-1, 1), repeat=3)))
         one = DrawnShape(routes={"pinocchio": routes.closed_form(shape.kind, shape.size)}, corners=corners)
     else:
@@ -329,8 +329,7 @@ def _drawn(shape: LinkShape, known: _Known) -> DrawnShape:
         if key not in known:
             try:
                 if path.suffix.lower() not in meshes.MESH_ENDINGS:
-                    problem = f"only {', '.join(meshes.MESH_ENDINGS)} can be read"
-                    raise BadInput(source=str(path), problem=problem, remedy="")
+                    raise BadInput(str(path), "", f"only {', '.join(meshes.MESH_ENDINGS)} can be read", "")
                 read = meshes.read_mesh(path, "m").mesh
                 faces = read.faces[:, ::-1] if shape.mirrored else read.faces
                 mesh = meshes.TriangleMesh(vertices=read.vertices * np.array(shape.scale), faces=faces)

@@ -263,8 +263,7 @@ def position(text: object, source: str, field: str) -> Array:
     found = _POSITION.fullmatch(text) if isinstance(text, str) else None
     if found is None:
         problem = f"must be three numbers and a unit of length, found {text!r}"
-        remedy = 'Write for example "0 0 45 mm", turns after a semicolon: "0 0 45 mm; z 90 deg"'
-        raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
+        raise BadInput(source, field, problem, 'Write for example "0 0 45 mm", turns after a semicolon: "0 0 45 mm; z 90 deg"')
     numbers, unit = found.groups()[:3], found[4]
     return np.array([_si(f"{number} {unit}", "length", source, field) for number in numbers])
 
@@ -276,7 +275,7 @@ def _rotation(value: Any, source: str, field: str) -> Array:
             found = _TURN.fullmatch(turn)
             if found is None:
                 problem = f"a turn must be an axis, a number and a unit of angle, found {turn.strip()!r}"
-                raise BadInput(source=source, field=field, problem=problem, remedy='Write for example "z 90 deg, x 5 deg"')
+                raise BadInput(source, field, problem, 'Write for example "z 90 deg, x 5 deg"')
             angle = _si(f"{found[2]} {found[3]}", "angle", source, field)
             rotation = rotation @ rotation_about(found[1], angle)
         return rotation
@@ -296,7 +295,7 @@ def _rotation(value: Any, source: str, field: str) -> Array:
 
 def _no_rotation(why: str, source: str, field: str) -> BadInput:
     remedy = 'Give nine numbers with ten digits each, row by row, or turns such as "z 30 deg"'
-    return BadInput(source=source, field=field, problem=f"is no rotation: {why}", remedy=remedy)
+    return BadInput(source, field, f"is no rotation: {why}", remedy)
 
 
 def _si(text: object, dimension: str, source: str, field: str) -> float:
@@ -532,12 +531,11 @@ def read(table: Mapping[str, Any], source: str, frame: Pose) -> Statement:
     inertia = toml_file.require_table(table["inertia"], source=source, where="inertia")
     toml_file.require_known(inertia, _INERTIA, source=source, where="inertia")
     if ("cog" in inertia) and ("first_moment" in inertia):
-        raise BadInput(source=source, field="inertia", problem="states both cog and first_moment", remedy="Keep one of them")
+        raise BadInput(source, "inertia", "states both cog and first_moment", "Keep one of them")
     about, first_moment = inertia.get("about", "cog"), "first_moment" in inertia
     if about == "cog" and first_moment:
         problem = "a first moment about the CoG is zero"
-        remedy = 'State the point it is about, about = "origin" or "0 0 45 mm"'
-        raise BadInput(source=source, field="inertia.first_moment", problem=problem, remedy=remedy)
+        raise BadInput(source, "inertia.first_moment", problem, 'State the point it is about, about = "origin" or "0 0 45 mm"')
     point = None if about == "cog" else np.zeros(3) if about == "origin" else position(about, source, "inertia.about")
     form = _Form(about=point, first_moment=first_moment, sign=_sign(inertia, source))
     listed: list[Stated | None] = []
@@ -549,7 +547,7 @@ def read(table: Mapping[str, Any], source: str, frame: Pose) -> Statement:
     # The values with the tolerance of whichever table is there, their squares when they are correlated, and a note
     given = [key for key in ("tolerance", "interval95", "covariance") if key in table]
     if len(given) > 1:
-        raise BadInput(source=source, problem=f"states {' and '.join(given)}", remedy="Keep one of them")
+        raise BadInput(source, "", f"states {' and '.join(given)}", "Keep one of them")
     spread: Array | None = None
     if not given:
         values, note = tuple(listed), "as stated with each value; without one, half a unit of the last digit given"
@@ -560,8 +558,7 @@ def read(table: Mapping[str, Any], source: str, frame: Pose) -> Statement:
         values, note = _toleranced(listed, given[0], table, form, source)
     mass = values[MASS]
     if form.first_moment and (mass is None or mass.value == 0):
-        problem = "a first moment says nothing without a mass"
-        raise BadInput(source=source, field="inertia.mass", problem=problem, remedy="State the mass")
+        raise BadInput(source, "inertia.mass", "a first moment says nothing without a mass", "State the mass")
     return Statement(
         name=str(table.get("name", "result")),
         values=through(lambda ten: form.about_cog(ten, frame), values, spread),
@@ -577,7 +574,7 @@ def _sign(inertia: Mapping[str, Any], source: str) -> float:
     if "products_sign" not in inertia:
         problem = "is missing; products of inertia go by two signs"
         remedy = f'Write "{MATRIX_ENTRY}" for -∫xy dm (Eq. 4) or "{POSITIVE_INTEGRAL}" for +∫xy dm'
-        raise BadInput(source=source, field="inertia.products_sign", problem=problem, remedy=remedy)
+        raise BadInput(source, "inertia.products_sign", problem, remedy)
     word = toml_file.one_of(inertia["products_sign"], choices, source=source, where="inertia.products_sign")
     return 1.0 if word == MATRIX_ENTRY else -1.0
 
@@ -586,7 +583,7 @@ def _entries(value: Any, length: int, source: str, field: str) -> list[Any]:
     entries = [value] if length == 1 else value
     if not isinstance(entries, list) or len(entries) != length:
         problem = f"must be a list of {length} values, found {value!r}"
-        raise BadInput(source=source, field=field, problem=problem, remedy='Write each with its unit; "not stated" holds a place')
+        raise BadInput(source, field, problem, 'Write each with its unit; "not stated" holds a place')
     return entries
 
 
@@ -615,8 +612,7 @@ def _toleranced(
                 width = _si(typed, "ratio" if relative else dimension, source, field)
                 if width <= 0:
                     remedy = f"Give a half-width in {SI_UNITS[dimension]} or per cent"
-                    problem = f"a tolerance must be positive, found {typed!r}"
-                    raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
+                    raise BadInput(source, field, f"a tolerance must be positive, found {typed!r}", remedy)
                 result[k] = replace(value, tolerance=width * abs(value.value) if relative else width)
     return tuple(result), str(said.get("note", "as stated")) if widths else "95 % intervals"
 
@@ -630,23 +626,22 @@ def with_interval(stated: Stated, low: float, high: float, source: str, field: s
     """
     if not low <= stated.value <= high:
         problem = f"the value {stated.value:.6g} lies outside its interval {low:.6g} to {high:.6g} (SI)"
-        raise BadInput(source=source, field=field, problem=problem, remedy="Give low and high in this order, around the value")
+        raise BadInput(source, field, problem, "Give low and high in this order, around the value")
     return replace(stated, tolerance=max(high - stated.value, stated.value - low))
 
 
 def _covariance(values: Sequence[Stated | None], matrix: Any, source: str) -> tuple[tuple[Stated | None, ...], Array]:
     """`values` with their half-widths, and the square of the tolerances with what they share."""
     if None in values:
-        raise BadInput(source=source, field="covariance", problem="needs all ten values", remedy="State them, or use [tolerance]")
+        raise BadInput(source, "covariance", "needs all ten values", "State them, or use [tolerance]")
     try:
         C = frozen(matrix, (10, 10), "covariance")
     except (ValueError, TypeError) as error:
-        remedy = "Write ten lists of ten numbers, SI"
-        raise BadInput(source=source, field="covariance", problem=str(error), remedy=remedy) from None
+        raise BadInput(source, "covariance", str(error), "Write ten lists of ten numbers, SI") from None
     scale = np.sqrt(np.abs(np.diag(C)))
     correlation = C / np.outer(scale, scale) if np.all(scale > 0) else np.full((10, 10), np.nan)
     if not np.allclose(correlation, correlation.T, rtol=0, atol=1e-9) or np.linalg.eigvalsh(correlation)[0] < -1e-9:
         problem = "must be symmetric and positive, found a matrix that is no covariance"
-        raise BadInput(source=source, field="covariance", problem=problem, remedy="Check its order and units (SI)")
+        raise BadInput(source, "covariance", problem, "Check its order and units (SI)")
     toleranced = tuple(v and replace(v, tolerance=float(NORMAL_95 * s)) for v, s in zip(values, scale, strict=True))
     return toleranced, NORMAL_95**2 * C

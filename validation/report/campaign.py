@@ -173,20 +173,19 @@ def correct(folder: str, effects: Sequence[str], out: Path, *, force: bool, as_j
     if test.is_file() and test.name != campaign_file.NAME and not holds(test, "model"):
         problem = "it is no campaign, of whose records alone a corrected copy is written"
         remedy = f"`massline add MODEL EFFECT {test}` lets a model know what is wrong with a test of another kind"
-        raise BadInput(source=folder, problem=problem, remedy=remedy)
+        raise BadInput(folder, "", problem, remedy)
     simulate.require_folder(out)
     require_folder(out, "--out")
     there, read = out.resolve(), source.resolve()
     if there == read or there.is_relative_to(read) or read.is_relative_to(there):
-        problem = f"it would change {source}, which is only read"
-        raise BadInput(source=str(out), field="--out", problem=problem, remedy="Name a folder beside it")
+        raise BadInput(str(out), "--out", f"it would change {source}, which is only read", "Name a folder beside it")
     if out.exists() and any(out.iterdir()):
         if not force:
             problem, remedy = "it is there already and not empty", "Name a new folder, or replace this one with --force"
-            raise BadInput(source=str(out), field="--out", problem=problem, remedy=remedy)
+            raise BadInput(str(out), "--out", problem, remedy)
         if not (out / campaign_file.NAME).is_file():
             problem = f"it holds no {campaign_file.NAME}, so it is no campaign to be replaced"
-            raise BadInput(source=str(out), field="--out", problem=problem, remedy="Name a new folder")
+            raise BadInput(str(out), "--out", problem, "Name a new folder")
     described = campaign_file.read_description(folder)
     faults = [asked(text, described) for text in effects]
     with share_done(f"reading {folder}", quiet=as_json) as progress:
@@ -290,7 +289,7 @@ def show_tests(name: str, tests: "Sequence[ResponseFunctions | ModalTable]", *, 
     if out is not None:
         if len(with_functions) != 1:
             problem = f"{name} has {len(with_functions)} tests with response functions, and a file holds one"
-            raise BadInput(source="--out", problem=problem, remedy="Name the file of one test")
+            raise BadInput("--out", "", problem, "Name the file of one test")
         test_file.write(out, test_file.of_responses(with_functions[0]))
     rows = []
     for one in tests:

@@ -253,7 +253,7 @@ def answer(asked: Options, files: Sequence[str], *, auto: bool, as_json: bool, f
     given = {"--auto": auto, "--hold-out": bool(asked.hold_out), "--band": asked.band is not None}
     for option in (option for option, there in given.items() if there):
         problem = "there is no campaign among DATA: weights and periods alone are neither held out nor climbed on"
-        raise BadInput(source=option, problem=problem, remedy="Leave it out, or name a campaign folder, too")
+        raise BadInput(option, "", problem, "Leave it out, or name a campaign folder, too")
     with reminded(asked.path):
         model = model_file.read(asked.model)
     with stages("diagnosing", quiet=as_json) as told:

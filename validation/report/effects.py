@@ -165,7 +165,7 @@ def chosen(names: Sequence[str]) -> tuple[tuple[effect.Family, str], ...]:
         family, _, target = name.partition("=")[0].partition(":")
         if family not in FAMILIES:
             remedy = f"{nearest(family, FAMILIES)}`massline effects` lists all of them"
-            raise BadInput(source="massline effects", field=name, problem=f"no effect is called {family!r}", remedy=remedy)
+            raise BadInput("massline effects", name, f"no effect is called {family!r}", remedy)
         known = FAMILIES[family]
         if target:
             value = examples(known)[0].partition("=")[2]

@@ -601,7 +601,7 @@ def simulate_structure(
         require_file(sealed, "--sealed")
     virtual_test.require_free(out, truth)
     if block is not None and not 0 < block < 1e4:
-        raise BadInput(source="--block", problem=f"must be a time in seconds, found {block:g}", remedy="Write --block 4")
+        raise BadInput("--block", "", f"must be a time in seconds, found {block:g}", "Write --block 4")
     plan = structure_tests.plan_of(
         path,
         kind=kind or HAMMER,
@@ -652,7 +652,7 @@ def _require_alive(campaign: Campaign) -> None:
             except BadInput:
                 problem = f"without noise, hum and cross motion nothing moves {name} in the run {run}: it reads zero throughout"
                 remedy = "A dead channel makes a campaign unusable: leave some noise (--noise 0.001) or cross motion"
-                raise BadInput(source="--noise", problem=problem, remedy=remedy) from None
+                raise BadInput("--noise", "", problem, remedy) from None
 
 
 def _written_test(question: SimulateOptions, plan: Plan, words: str, *, quiet: bool) -> Written:
@@ -663,7 +663,7 @@ def _written_test(question: SimulateOptions, plan: Plan, words: str, *, quiet: b
             if error.source != "rig":
                 raise
             # A rig that cannot be built, which only an effect can have done
-            raise BadInput(source="--effect", field=error.field, problem=error.problem, remedy=error.remedy) from None
+            raise BadInput("--effect", error.field, error.problem, error.remedy) from None
     _require_alive(test.campaign)
     table, units = test.campaign.table, question.units
     in_units = tuple(replace(channel, unit=units.get(channel.quantity, channel.unit)) for channel in table.channels)

@@ -47,8 +47,7 @@ def answer(asked: Options, each: Path, *, processes: int, scheduler: str, as_jso
     CheckFailed : nothing could be said of any of them.
     """
     if not each.is_dir():
-        problem = "there is no such folder"
-        raise BadInput(source="--each", field=str(each), problem=problem, remedy="Name one that holds campaigns")
+        raise BadInput("--each", str(each), "there is no such folder", "Name one that holds campaigns")
     every = Member.below(each, asked)
     with stages("fleet", quiet=as_json) as told:
         found = Fleet.diagnosed(every, processes=processes, scheduler=scheduler, progress=told)
@@ -382,13 +381,12 @@ def league_answer(folder: Path, data: Path, names: tuple[str, ...], *, as_json: 
     every = real_sets(folder, data)
     if unknown := set(names) - {one.name for one in every}:
         known = ", ".join(one.name for one in every)
-        problem = f"no set is called {', '.join(sorted(unknown))}"
-        raise BadInput(source="NAME", problem=problem, remedy=f"There are {known}")
+        raise BadInput("NAME", "", f"no set is called {', '.join(sorted(unknown))}", f"There are {known}")
     chosen = [one for one in every if not names or one.name in names]
     here = [one for one in chosen if (data / one.folder).is_dir()]
     if not here:
         problem = f"it holds none of {', '.join(one.name for one in chosen)}"
-        raise BadInput(source=str(data), field="--data", problem=problem, remedy="docs/league.md says where they come from")
+        raise BadInput(str(data), "--data", problem, "docs/league.md says where they come from")
     found = League(
         results=tuple(result(one, quiet=as_json) for one in here), absent=tuple(one.name for one in chosen if one not in here)
     )

@@ -391,12 +391,12 @@ def drawn_modes(model: Flexible, numbers: Sequence[int]) -> tuple[DrawnMode, ...
     """
     if model.drawn is None or model.structure is None:
         problem = f"the {model.model} model gives frequencies and participations, but no shape that could be drawn"
-        raise BadInput(source=model.article, field="--shapes", problem=problem, remedy="Draw the beam or the solid model")
+        raise BadInput(model.article, "--shapes", problem, "Draw the beam or the solid model")
     count = len(model.modes.frequency)
     for number in numbers:
         if not 1 <= number <= count:
             problem = f"modes 1 to {count} were computed, found {number}"
-            raise BadInput(source="--mode", problem=problem, remedy="Choose one of them, or compute more with --count")
+            raise BadInput("--mode", "", problem, "Choose one of them, or compute more with --count")
     chosen = np.array(numbers, dtype=np.intp) - 1
     shapes = model.modes.shapes[:, chosen]
     said = words(model)
@@ -493,10 +493,10 @@ def require_drawable(article: str, model: str, moving: int | None, count: int) -
     """
     if moving is not None and not 1 <= moving <= count:
         problem, remedy = f"modes 1 to {count} are computed, found {moving}", "Choose one of them, or compute more with --count"
-        raise BadInput(source="--mode", problem=problem, remedy=remedy)
+        raise BadInput("--mode", "", problem, remedy)
     if model == "exudyn":
         problem = "exudyn's own elements give frequencies and participations here, no shape that could be drawn"
-        raise BadInput(source=article, field="--shapes", problem=problem, remedy="Draw the beam or the solid model")
+        raise BadInput(article, "--shapes", problem, "Draw the beam or the solid model")
 
 
 def draw_sheet(model: Flexible, folder: Path, name: str | None = None, about: str = "") -> Path:
@@ -691,7 +691,7 @@ def examine_answer(path: str, *, as_json: bool) -> None:
         toml_file.require_no_other(Path(path))
         problem = "there is no such file" if not Path(path).exists() else "it is no finite-element model"
         remedy = f"Name one of {', '.join(reading.DATA_ENDINGS)}, or a description (.toml with [fe_model])"
-        raise BadInput(source=path, problem=problem, remedy=remedy)
+        raise BadInput(path, "", problem, remedy)
     with output.shown(f"examining {path}", quiet=as_json):
         found = examine.examine(path)
         reduced, why = ((), "") if found.findings else _reduced(study)

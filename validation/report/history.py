@@ -336,7 +336,7 @@ def undo(path: Path, *, as_json: bool) -> None:
 def _show(at: HistoryPosition, *, as_json: bool) -> None:
     if not at.ladder.rungs:
         problem = f"it has no ladder: there is no {history.path_beside(at.path).name} beside it"
-        raise BadInput(source=str(at.path), problem=problem, remedy="`massline add MODEL EFFECT DATA ...` makes one")
+        raise BadInput(str(at.path), "", problem, "`massline add MODEL EFFECT DATA ...` makes one")
     output.print_answer(lambda: of_ladder(at), lambda: text(at), as_json=as_json)
 
 
@@ -366,7 +366,7 @@ def model(
     known, lost = None if program is None else write_back.PROGRAMS[program], tuple[str, ...]()
     is_deck = program is None and Path(article).suffix.lower() in DECKS
     if units is not None and not is_deck:
-        raise BadInput(source="--units", problem="only a deck states none itself", remedy="Leave it out")
+        raise BadInput("--units", "", "only a deck states none itself", "Leave it out")
     if out is not None:
         if known is None:
             output.require_ending(out, (".toml",), "a model file", "model.toml")
@@ -374,17 +374,16 @@ def model(
             output.require_ending(out, known.endings, f"a snippet for {known.name}", f"found{known.endings[0]}")
         if out.exists() and not force:
             problem = "it is there already, perhaps with changes of your own"
-            remedy = "Name another file, or replace it with --force"
-            raise BadInput(source=str(out), field="--out", problem=problem, remedy=remedy)
+            raise BadInput(str(out), "--out", problem, "Name another file, or replace it with --force")
         output.require_file(out, "--out")
     if is_deck and tests:
         own = Path(article).with_suffix(".toml")
         if out is None or out.resolve() == own.resolve():
             problem = f"the structure of {article} is described in {own}, and the study is a file beside it"
-            raise BadInput(source="--out", problem=problem, remedy="Name the study, as in --out study.toml")
+            raise BadInput("--out", "", problem, "Name the study, as in --out study.toml")
         if own.exists() and units is not None:
             problem = f"the structure is described in {own} already, which states its units"
-            raise BadInput(source="--units", problem=problem, remedy="Leave it out, or take the description away")
+            raise BadInput("--units", "", problem, "Leave it out, or take the description away")
         if not own.exists():
             text, lost = deck.described(Path(article), units)
             write_text(own, text)
@@ -411,7 +410,7 @@ def model(
     else:
         if is_deck and out.resolve().parent != Path(article).resolve().parent:
             problem = "a description lies beside the deck, whose nodes and elements it needs"
-            raise BadInput(source=str(out), field="--out", problem=problem, remedy=f"Write it to {Path(article).parent}")
+            raise BadInput(str(out), "--out", problem, f"Write it to {Path(article).parent}")
         write_text(out, text)
         output.wrote(out)
     _require_all(article, lost)

@@ -663,11 +663,11 @@ def answer_of_test(path: str, band: tuple[float, float] | None, *, as_json: bool
     found_tests = tests_in(Path(path)) or ()
     if len(found_tests) != 1:
         problem = f"it describes {len(found_tests) or 'a campaign and no'} tests, where one is needed"
-        raise BadInput(source=path, problem=problem, remedy="Name the file of one test, or the folder of a campaign")
+        raise BadInput(path, "", problem, "Name the file of one test, or the folder of a campaign")
     data = found_tests[0]
     if not isinstance(data, ResponseFunctions):
         problem = "a table of modes says nothing of a mass: its shapes have no scale"
-        raise BadInput(source=path, field="kind", problem=problem, remedy="Name response functions, or a campaign")
+        raise BadInput(path, "kind", problem, "Name response functions, or a campaign")
     data = data if band is None else replace(data, band=band)
     with shown(f"{path}: mass lines and their joint fit", quiet=as_json):
         found = free_body.identify(data)

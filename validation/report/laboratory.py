@@ -44,7 +44,7 @@ def answer(campaigns: Sequence[str], path: str | None, tolerance_class: str | No
     else:
         if tolerance_class is not None:
             problem = f"{path} says of which class the laboratory is"
-            raise BadInput(source="--class", problem=problem, remedy="Write `class` in its [tolerances], and leave this out")
+            raise BadInput("--class", "", problem, "Write `class` in its [tolerances], and leave this out")
         model = model_file.read(path)
     require_pair(model, described)
     with stages("learning", quiet=as_json) as told:

@@ -417,13 +417,12 @@ def browser_path() -> str:
     if named is not None:
         found = shutil.which(named)
         if found is None:
-            remedy = "Name a browser of the Chromium family, or unset it"
-            raise BadInput(source=BROWSER, problem=f"no program is called {named!r}", remedy=remedy)
+            raise BadInput(BROWSER, "", f"no program is called {named!r}", "Name a browser of the Chromium family, or unset it")
         return found
     found = next((there for name in NAMES if (there := shutil.which(name))), None)
     if found is None:
         remedy = f"Install one (Debian: apt-get install chromium), or name another in {BROWSER}"
-        raise BadInput(source="browser", problem=f"none is on the path, looked for {', '.join(NAMES)}", remedy=remedy)
+        raise BadInput("browser", "", f"none is on the path, looked for {', '.join(NAMES)}", remedy)
     return found
 
 

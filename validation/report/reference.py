@@ -112,13 +112,13 @@ def exported(form: str, tables: Sequence[ReferenceTable], robots: Sequence[Robot
             problem = f"{table.article}: column {column or default!r} " + (
                 "is not there" if chosen is None else "does not state all ten values, and no other program takes fewer"
             )
-            raise BadInput(source="--column", problem=problem, remedy=f"Choose one of {', '.join(complete)}")
+            raise BadInput("--column", "", problem, f"Choose one of {', '.join(complete)}")
         bodies[table.article] = chosen.inertia
     for one in robots:
         of_one = one.bodies(column or STATED)
         if not of_one:
             problem = f"{one.source}: no link has {column!r}"
-            raise BadInput(source="--column", problem=problem, remedy=f"Choose one of {', '.join((STATED, *ROUTES))}")
+            raise BadInput("--column", "", problem, f"Choose one of {', '.join((STATED, *ROUTES))}")
         bodies |= of_one
     name = robots[0].robot.name if robots else next(iter(bodies))
     return inertia_files.written(form, name, bodies)

@@ -219,15 +219,14 @@ class Plan:
         _require(self.cross, "cross", zero=True)
         levels = self.levels
         if not levels:
-            raise BadInput(source=SOURCE, field="levels", problem="is empty", remedy="Give 1 for the nominal level")
+            raise BadInput(SOURCE, "levels", "is empty", "Give 1 for the nominal level")
         for level in levels:
             _require(level, "levels")
         if len(set(levels)) < len(levels):
             listed = ", ".join(f"{level:g}" for level in levels)
-            raise BadInput(source=SOURCE, field="levels", problem=f"names one twice, found {listed}", remedy="Name each once")
+            raise BadInput(SOURCE, "levels", f"names one twice, found {listed}", "Name each once")
         if self.seed < 0:
-            problem = f"must not be negative, found {self.seed}"
-            raise BadInput(source=SOURCE, field="seed", problem=problem, remedy="Give a whole number from 0 on")
+            raise BadInput(SOURCE, "seed", f"must not be negative, found {self.seed}", "Give a whole number from 0 on")
 
     def is_read(self, channel: str) -> bool:
         """Whether `channel` is recorded; of a single-axis shaker the first pilot along its axis and the article alone."""
@@ -304,7 +303,7 @@ def exact(plan: Plan) -> Plan:
 def _require(value: float, name: str, *, zero: bool = False) -> None:
     if not (isfinite(value) and (value > 0 or (zero and value == 0))):
         what = "finite and not negative" if zero else "positive and finite"
-        raise BadInput(source=SOURCE, field=name, problem=f"must be {what}, found {value:g}", remedy="Give it in SI units")
+        raise BadInput(SOURCE, name, f"must be {what}, found {value:g}", "Give it in SI units")
 
 
 # A virtual test of a structure that stands by itself.

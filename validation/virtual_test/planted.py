@@ -164,8 +164,7 @@ def _with_mass(rig: Rig, named: Named, added: Array) -> Rig:
     mass = rig.article.reduced.mass + added
     size = np.sqrt(np.abs(np.diag(rig.article.reduced.mass)))
     if not np.linalg.eigvalsh(mass / np.outer(size, size))[0] > 0:
-        problem = f"{rig.article.name} would have a negative mass in some direction"
-        raise BadInput(source="--effect", field=named.id, problem=problem, remedy="Take less away")
+        raise BadInput("--effect", named.id, f"{rig.article.name} would have a negative mass in some direction", "Take less away")
     return replace(rig, article=replace(rig.article, reduced=replace(rig.article.reduced, mass=mass)))
 
 
@@ -353,7 +352,7 @@ def planted(effects: Sequence[Named]) -> tuple[PlantedEffect, ...]:
         if plant is None:
             known = {PENDULUM: OF_A_PENDULUM, PROCESSING: ELSEWHERE} if named.family not in SOURCES else {}
             problem, remedy = known.get(FAMILIES[named.family].side, UNPLANTED)
-            raise BadInput(source="--effect", field=named.id, problem=problem, remedy=remedy)
+            raise BadInput("--effect", named.id, problem, remedy)
         found.append(plant(named))
     return tuple(found)
 
@@ -392,10 +391,10 @@ def require_reaching(effects: Sequence[Named], plans: Sequence[Plan], *, source:
             remedy = "Leave it out, or name another article"
             if known:
                 remedy = f"{nearest(named.target, known)}Known are {', '.join(known)}"
-            raise BadInput(source=source, field=named.id, problem=nowhere_problem, remedy=remedy)
+            raise BadInput(source, named.id, nowhere_problem, remedy)
         if catalogue.of_parts(named) and any(plan.damping is not None for plan in plans) and "damping" in named.family:
             problem = "--damping (`Plan.damping`) states the damping of every mode, whatever the parts do"
-            raise BadInput(source=source, field=named.id, problem=problem, remedy="Leave one of them out")
+            raise BadInput(source, named.id, problem, "Leave one of them out")
 
 
 def require_planted(plan: Plan) -> None:

@@ -180,7 +180,7 @@ def accelerometers(plan: Plan) -> dict[str, Array]:
         place, _, axis = point.partition(":")
         if place not in there or axis not in tuple(AXES) or f"{place}-{axis}" in found:
             problem = f"must be a place of {plan.article} and x, y or z, each once, found {point!r}"
-            raise BadInput(source="--response", problem=problem, remedy=f"{nearest(place, there)}Write for example mast-top:x")
+            raise BadInput("--response", "", problem, f"{nearest(place, there)}Write for example mast-top:x")
         found[f"{place}-{axis}"] = np.asarray(there[place])
     return found
 
@@ -250,7 +250,7 @@ def require_stack(article: str) -> None:
     first = article.split("+")[0]
     if first in NAMES and first != FMD:
         problem = f"the virtual shaker measures by the FMD, which must be the lowest of the stack, found {article}"
-        raise BadInput(source=f"article {article}", problem=problem, remedy=f"Name {FMD}+{article}")
+        raise BadInput(f"article {article}", "", problem, f"Name {FMD}+{article}")
     built_in(article)
 
 

@@ -212,7 +212,7 @@ def _whole(plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun) -> planni
     rate = _rate(plan)
     if not lab.rig.linear and plan.on_article:
         problem = "accelerometers on the article are read of what is linear, and an effect here is not"
-        raise BadInput(source="--response", problem=problem, remedy="Leave them out")
+        raise BadInput("--response", "", problem, "Leave them out")
     if not lab.rig.linear:
         from fem.base_excitation import response as ring_down
         from fem.exudyn import driven_run
@@ -565,8 +565,7 @@ def question(
     for article in articles:
         require_stack(article)
     if twice := next((article for article in articles if list(articles).count(article) > 1), None):
-        remedy = "Name each once, or change --seed and --out"
-        raise BadInput(source=f"article {twice}", problem="it is named twice", remedy=remedy)
+        raise BadInput(f"article {twice}", "", "it is named twice", "Name each once, or change --seed and --out")
     toml_file.one_of(model, planning.MODELS, source="--model", where="")
     toml_file.one_of(form, FORMATS, source="--format", where="")
     upon = [point.replace(":", "-") for point in responses]
@@ -577,9 +576,9 @@ def question(
     for level in factors:
         if not 0 < level <= LARGEST_LEVEL:
             problem = f"a level must lie above 0 and up to {LARGEST_LEVEL:g}, found {level:g}"
-            raise BadInput(source="--levels", problem=problem, remedy="1 is the nominal level, 0.5 half of it")
+            raise BadInput("--levels", "", problem, "1 is the nominal level, 0.5 half of it")
     if len(set(factors)) < len(factors):
-        raise BadInput(source="--levels", problem=f"one of them stands there twice, found {levels}", remedy="Name each once")
+        raise BadInput("--levels", "", f"one of them stands there twice, found {levels}", "Name each once")
     for level in factors:  # what a drive of `massline excite` may be, this one may be too
         drive(
             axes=(),
@@ -597,7 +596,7 @@ def question(
     try:
         recorder.require_recorded(band[1], rate, "--rate")
     except BadInput as error:
-        raise BadInput(source="--rate", problem=error.problem, remedy="Record faster, or end lower with --band") from None
+        raise BadInput("--rate", "", error.problem, "Record faster, or end lower with --band") from None
     changes = reference.read(settings)
     reference.require_used(articles, changes)
     share = factor("--tolerances", tolerances)
@@ -628,12 +627,11 @@ def question(
         if pattern != SWEEP or not responses or not cross:
             wrong = "--pattern" if pattern != SWEEP else "--cross" if responses else "--response"
             problem = "a single-axis shaker sweeps, its base moves besides, and accelerometers on the article read it"
-            raise BadInput(source=wrong, problem=problem, remedy="Write --axis z --response mast-top:z, and leave the others out")
+            raise BadInput(wrong, "", problem, "Write --axis z --response mast-top:z, and leave the others out")
         unread = [one for one in named for name in one.targets if name in CHANNELS and not plans[0].is_read(name)]
         for one in unread:
             problem = f"a single-axis shaker along {axis} does not read that channel"
-            remedy = "Choose one on the article, or leave out --axis"
-            raise BadInput(source="--effect", field=one.id, problem=problem, remedy=remedy)
+            raise BadInput("--effect", one.id, problem, "Choose one on the article, or leave out --axis")
     for plan in plans:
         accelerometers(plan)
     require_reaching(named, plans)
@@ -653,7 +651,7 @@ def factor(option: str, text: str) -> float:
     remedy = f"1 is the ordinary one, {OFF} is none"
     found = _number(option, text, remedy)
     if not 0 <= found <= LARGEST_FACTOR:
-        raise BadInput(source=option, problem=f"must lie between 0 and {LARGEST_FACTOR:g}, found {text}", remedy=remedy)
+        raise BadInput(option, "", f"must lie between 0 and {LARGEST_FACTOR:g}, found {text}", remedy)
     return found
 
 
@@ -663,7 +661,7 @@ def _number(option: str, text: str, remedy: str) -> float:
     except ValueError:
         found = nan
     if not isfinite(found):
-        raise BadInput(source=option, problem=f"a number is expected, found {text!r}", remedy=remedy)
+        raise BadInput(option, "", f"a number is expected, found {text!r}", remedy)
     return found
 
 
@@ -679,7 +677,7 @@ def _pattern(pattern: str, runs: int | None) -> str:
     if runs not in known:
         problem = f"the pattern {pattern} has {' or '.join(map(str, known))} runs, found {runs}"
         others = ", ".join(f"{name} ({' or '.join(map(str, counts))})" for name, counts in PATTERNS.items())
-        raise BadInput(source="--runs", problem=problem, remedy=f"There are {others}; --levels adds runs too")
+        raise BadInput("--runs", "", problem, f"There are {others}; --levels adds runs too")
     return known[runs]
 
 
@@ -690,10 +688,10 @@ def _units(units: Sequence[str]) -> dict[str, str]:
     for unit in units:
         if unit not in quantities:
             remedy = f"{toml_file.nearest(unit, quantities)}Known are {', '.join(quantities)}"
-            raise BadInput(source="--unit", problem=f"no unit of acceleration or force is called {unit!r}", remedy=remedy)
+            raise BadInput("--unit", "", f"no unit of acceleration or force is called {unit!r}", remedy)
         if quantities[unit] in found:
             problem = f"{found[quantities[unit]]} and {unit} are both units of {quantities[unit]}"
-            raise BadInput(source="--unit", problem=problem, remedy="Keep one of them")
+            raise BadInput("--unit", "", problem, "Keep one of them")
         found[quantities[unit]] = unit
     return {**{quantity: SI[quantity] for quantity in ("acceleration", "force")}, **found}
 
@@ -718,7 +716,7 @@ def require_free(folder: Path, truth: Path) -> None:
     """
     if truth.resolve().is_relative_to(folder.resolve()):
         problem = f"{truth} lies in the campaign folder, which whoever is not to see the truth will read"
-        raise BadInput(source="--sealed", problem=problem, remedy="Name a file elsewhere")
+        raise BadInput("--sealed", "", problem, "Name a file elsewhere")
     known: dict[str, str] | None = None
     try:
         found = json.loads(truth.read_text(encoding="utf-8"))
@@ -728,11 +726,10 @@ def require_free(folder: Path, truth: Path) -> None:
         known = dict(found[FILES])
     if truth.exists() and known is None:
         problem = f"{truth} is there and is no truth of a virtual test"
-        raise BadInput(source=str(truth), problem=problem, remedy="Name another file; it is not overwritten")
+        raise BadInput(str(truth), "", problem, "Name another file; it is not overwritten")
     if folder.exists() and any(folder.iterdir()) and digests(folder) != known:
         problem = "it is there, and not empty, and no virtual test that its truth vouches for"
-        remedy = "Name a new folder, or remove this one yourself"
-        raise BadInput(source=str(folder), field="--out", problem=problem, remedy=remedy)
+        raise BadInput(str(folder), "--out", problem, "Name a new folder, or remove this one yourself")
 
 
 def require_folder(path: Path) -> None:
@@ -743,8 +740,7 @@ def require_folder(path: Path) -> None:
     BadInput : `path` is such a folder.
     """
     if Path.cwd().is_relative_to(path.resolve()):
-        problem = "the command runs in this folder"
-        raise BadInput(source=str(path), field="--out", problem=problem, remedy="Name a folder in it, such as out/campaign")
+        raise BadInput(str(path), "--out", "the command runs in this folder", "Name a folder in it, such as out/campaign")
 
 
 def write(folder: Path, truth: Path, content: Mapping[str, object], fill: Callable[[Path], None]) -> None:

@@ -261,7 +261,7 @@ class TestedStructure:
 
 def _too_light() -> BadInput:
     problem = "with all that is planted, and what the model has added, a place or a part weighs less than nothing"
-    return BadInput(source="--effect", problem=problem, remedy="Take away no more than there is; `massline model` lists both")
+    return BadInput("--effect", "", problem, "Take away no more than there is; `massline model` lists both")
 
 
 def tested(plan: StructurePlan) -> TestedStructure:
@@ -275,7 +275,7 @@ def tested(plan: StructurePlan) -> TestedStructure:
     users = reading.load(path) if path else None
     if users is None or not isinstance(users.model, Structure):
         problem = f"{plan.article} has no matrices, mesh or frame"
-        raise BadInput(source=plan.model.source, field="article", problem=problem, remedy="Name its file in [structure.own]")
+        raise BadInput(plan.model.source, "article", problem, "Name its file in [structure.own]")
     damping, made = users.damping, users.model
     where = {one.place: position(one.place) for one in (*plan.drives, *plan.responses)}
     written = {name: place_rows(made, at, plan.model.source, name)[0] for name, at in where.items() if at is not None}
@@ -298,10 +298,10 @@ def tested(plan: StructurePlan) -> TestedStructure:
             try:
                 return place_rows(made, at)[0]
             except BadInput as error:
-                raise BadInput(source="--effect", field=named.id, problem=error.problem, remedy=error.remedy) from None
+                raise BadInput("--effect", named.id, error.problem, error.remedy) from None
         if named.target not in of:
             problem, remedy = "the structure has nothing of that name", f"{nearest(named.target, of)}There are {', '.join(of)}"
-            raise BadInput(source="--effect", field=named.id, problem=problem, remedy=remedy)
+            raise BadInput("--effect", named.id, problem, remedy)
         return of[named.target]
 
     for one in (*(added.named for added in plan.model.effects), *plan.effects):
@@ -324,8 +324,7 @@ def tested(plan: StructurePlan) -> TestedStructure:
             rows = share(made.places, one)[list(ALONG["".join(one.targets[1:])])]
             K, M = (K, M + value * (rows.T @ rows)) if one.family == "point-mass" else (K + value * (rows.T @ rows), M)
         elif one.family not in plan.planted:
-            remedy = f"These can: {', '.join(plan.planted)}"
-            raise BadInput(source="--effect", field=one.id, problem=f"no --test {plan.kind} can hide it", remedy=remedy)
+            raise BadInput("--effect", one.id, f"no --test {plan.kind} can hide it", f"These can: {', '.join(plan.planted)}")
     structure = replace(made, stiffness=K, mass=M, part_stiffness=shares)
     return TestedStructure(highest=plan.band[1], structure=structure, losses=losses, ratio=usual if ratio is None else ratio)
 
@@ -377,8 +376,7 @@ def _row(structure: Structure, at: Point, faults: Sequence[Named], points: Mappi
         elif one.family == "wrong-reference":
             d, place = np.array(points[word].direction), points[word].place
     if place not in structure.places:
-        problem = "the structure has no such place"
-        raise BadInput(source="simulate", field=place, problem=problem, remedy=f"Its places are {', '.join(structure.places)}")
+        raise BadInput("simulate", place, "the structure has no such place", f"Its places are {', '.join(structure.places)}")
     rows = structure.places[place]
     if np.any(shift):
         rows = rows_beside(structure, _where(structure, place) + shift)
@@ -535,7 +533,7 @@ def _where(structure: Structure, place: str) -> Array:
     at = position_of(structure, place)
     if at is None:
         problem = "nobody knows where this place is: the structure has no coordinates"
-        raise BadInput(source="simulate", field=place, problem=problem, remedy="Leave it out, or what asks for its position")
+        raise BadInput("simulate", place, problem, "Leave it out, or what asks for its position")
     return at
 
 
@@ -612,8 +610,7 @@ def _table(plan: StructurePlan, lab: TestedStructure, rows: Sequence[Array]) -> 
     """The table of modes within the band."""
     hertz, zeta, shapes = lab.table(rows, *plan.band)
     if not len(hertz):
-        problem = f"no mode of the structure lies within {plan.band[0]:g} to {plan.band[1]:g} Hz"
-        raise BadInput(source="--band", problem=problem, remedy="Widen it")
+        raise BadInput("--band", "", f"no mode of the structure lies within {plan.band[0]:g} to {plan.band[1]:g} Hz", "Widen it")
     rng, s = plan.drawn("noise"), plan.noise * NOISE[MODES]
     gains = 1 + GAIN * plan.tolerances * plan.drawn("gains").standard_normal(len(rows))
     names = [one.name for one in plan.responses]
@@ -671,15 +668,15 @@ def plan_of(
     """
     if kind not in KINDS:
         problem = f"must be one of {', '.join(KINDS)}, found {kind!r}"
-        raise BadInput(source="--test", problem=problem, remedy=nearest(kind, KINDS) or "Choose one of them")
+        raise BadInput("--test", "", problem, nearest(kind, KINDS) or "Choose one of them")
     if seed < 0:
-        raise BadInput(source="--seed", problem=f"must not be negative, found {seed}", remedy="Give a whole number from 0 on")
+        raise BadInput("--seed", "", f"must not be negative, found {seed}", "Give a whole number from 0 on")
     model = model_file.read(path)
     article = model.article if model.article in model.own else next(iter(model.own), "")
     users = reading.load(model.own[article]) if article else None
     if users is None or not isinstance(users.model, Structure):
         problem = "it names no structure with matrices, a mesh or a frame"
-        raise BadInput(source=path, field="fe_model", problem=problem, remedy="`massline model FILE` begins one")
+        raise BadInput(path, "fe_model", problem, "`massline model FILE` begins one")
     own = next((one for one in model.tests if one.get("kind") in test_file.KINDS), {})
 
     def listed(given: Sequence[str], keys: Sequence[str], field: str) -> tuple[Point, ...]:
@@ -694,21 +691,21 @@ def plan_of(
         moving = (f"{name}:{axis}" for name, rows in users.model.places.items() for k, axis in enumerate("xyz") if rows[[k]].nnz)
         seen = tuple(point(one, source=path, field="--response") for one in moving)
     if not seen:
-        raise BadInput(source=path, field="places", problem="it names no place", remedy='Name points, --response "tip:z"')
+        raise BadInput(path, "places", "it names no place", 'Name points, --response "tip:z"')
     based = kind in (BASE, BASE_FORCES)
     if based and not len(users.model.held):
         problem = f'is "{"ground" if users.model.grounded else "free"}": it has no base that could be shaken'
         remedy = 'State support = "base" with its interface, or strike it where it is with --test hammer'
-        raise BadInput(source=path, field="fe_model.support", problem=problem, remedy=remedy)
+        raise BadInput(path, "fe_model.support", problem, remedy)
     stray = {"--drive": based and drives, "--block": based and block, "--axis": kind != BASE and axis}
     if wrong := [option for option, given in {**stray, "--cross": not based and cross is not None}.items() if given]:
-        raise BadInput(source=wrong[0], problem=f"is no option of --test {kind}", remedy="Leave it out")
+        raise BadInput(wrong[0], "", f"is no option of --test {kind}", "Leave it out")
     if axis:
         toml_file.one_of(axis, tuple("xyz"), source="--axis", where="")
     driven = () if based else listed(drives, ("drive",), "--drive")
     for at in (each for each in (*driven, *seen) if position(each.place) is None and each.place not in users.model.places):
         remedy = f"Its places are {', '.join(list(users.model.places)[:20])}"
-        raise BadInput(source=path, field=at.place, problem="the structure has no such place", remedy=remedy)
+        raise BadInput(path, at.place, "the structure has no such place", remedy)
     limits = band or tuple(own.get("band", ())) or None
     if limits is None or not (driven or based):
         trial = StructurePlan(model=model, kind=MODES, article=article, drives=(), responses=seen, band=(1.0, 100.0))
@@ -716,7 +713,7 @@ def plan_of(
         elastic = np.flatnonzero(squares > RIGID * squares[:12].max(initial=0.0))[:LOWEST]
         if not len(elastic):
             problem, remedy = "it has no elastic mode to be tested", "Write --drive and --band, or hold the structure"
-            raise BadInput(source=path, field="fe_model", problem=problem, remedy=remedy)
+            raise BadInput(path, "fe_model", problem, remedy)
         lowest = np.sqrt(squares[elastic]) / (2 * np.pi)
         limits = limits or (0.5 * float(lowest[0]), 1.3 * float(lowest[-1]))
         if not driven and not based:  # where all of them move, as far as one direction moves them all
@@ -733,7 +730,7 @@ def plan_of(
     heavy = (each for each in hidden if each.value > most.get(each.family, np.inf))
     odd = (f"{x.id} is {x.value:g} kg on a structure of {whole:.3g} kg; for {x.value:g} g write {x.value / 1e3:g}" for x in heavy)
     if not 0 < limits[0] < limits[1] < np.inf:
-        raise BadInput(source="--band", problem=f"must rise from above 0, found {limits}", remedy="Write --band 5 200")
+        raise BadInput("--band", "", f"must rise from above 0, found {limits}", "Write --band 5 200")
     return StructurePlan(
         model=model,
         kind=kind,

@@ -182,6 +182,6 @@ def test_what_does_not_belong_together_is_a_fault_which_reads_as_a_refusal_does(
     model.write_text(Path(block.model).read_text().replace('article = "fmd+cuboid"', 'article = "fmd+clumod-1"'))
     (fault,) = [one for one in faults(str(model), block.data) if one.grave]
     assert fault.field == "model.article"
-    error = BadInput(source="a.toml", field="x", problem="is wrong", remedy="Mend it")
+    error = BadInput("a.toml", "x", "is wrong", "Mend it")
     assert of_error(error).text == str(error).rstrip(".")
     assert Fault(file="a", field="", problem="odd", grave=False).text == "a: odd"

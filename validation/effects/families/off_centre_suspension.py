@@ -10,7 +10,7 @@ def change(swing: PendulumSwing, targets: tuple[str, ...], values: Values) -> Pe
     share = values[""] ** 2 / swing.square
     if share >= 1:
         problem = f"a CoG {values['']:g} m beside the middle of the ropes, {np.sqrt(swing.square):g} m from them, would fall over"
-        raise BadInput(source="pendulum", field="off-centre-suspension", problem=problem, remedy="Give a smaller distance")
+        raise BadInput("pendulum", "off-centre-suspension", problem, "Give a smaller distance")
     return swing.times(1 / np.sqrt(1 - share))
 
 

@@ -29,7 +29,7 @@ def require_format(path: Path) -> None:
     """
     if path.suffix.lower() not in FORMATS:
         problem = f"a picture ends in {', '.join(FORMATS)}, found {path.suffix or 'no ending'}"
-        raise BadInput(source=str(path), problem=problem, remedy="Name the file so, the ending chooses the format")
+        raise BadInput(str(path), "", problem, "Name the file so, the ending chooses the format")
 
 
 def save(path: Path, write: Callable[[Path], object]) -> None:

@@ -215,7 +215,7 @@ def mode_sheet(
 
     require_format(path)
     if not modes:
-        raise BadInput(source=title, problem="there is no mode to draw", remedy="A rigid article has none in this range")
+        raise BadInput(title, "", "there is no mode to draw", "A rigid article has none in this range")
     columns = min(COLUMNS, len(modes))
     rows = -(-len(modes) // columns)
     with scene.off_screen():

@@ -582,7 +582,7 @@ def picture(title: str, bodies: Sequence[DrawnBody], inertia: Inertia, path: Pat
     """
     require_format(path)
     if not any(body.counted for body in bodies):
-        raise BadInput(source=f"picture of {title}", field="bodies", problem="no body counts", remedy="Give at least one")
+        raise BadInput(f"picture of {title}", "bodies", "no body counts", "Give at least one")
     ellipsoid = equivalent_ellipsoid(require_physical(inertia, f"picture of {title}"))
     page = _Page(view=view_of(bodies, ellipsoid), ellipsoid=ellipsoid)
     image = rendered(page.view, bodies, ellipsoid, [*page.frame, *page.principal])

@@ -497,4 +497,4 @@ def relative_coordinates(made: PreparedRuns, motion: BaseMotion, response: Respo
 
 
 def _refused(problem: str, remedy: str) -> BadInput:
-    return BadInput(source="--animate", problem=problem, remedy=remedy)
+    return BadInput("--animate", "", problem, remedy)
