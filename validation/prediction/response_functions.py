@@ -13,7 +13,7 @@ coordinates move.
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import ceil, inf, isfinite
+from math import ceil, inf, isfinite, sqrt
 
 import numpy as np
 import numpy.typing as npt
@@ -494,22 +494,23 @@ def of(structure: Nuisances, data: ResponseFunctions, tolerances: Tolerances = p
     """
     points.require_places((*data.drives, *data.responses), structure.nominal.places, structure.configuration, data.source)
     from scipy.ndimage import uniform_filter1d
-    from scipy.special import digamma
+    from scipy.special import digamma, polygamma
 
     low, high = data.band
     kept = data.frequency > 0
     if not np.any(kept & (data.frequency >= low) & (data.frequency <= high)):
         raise BadInput(data.source, "band", f"no line lies within {low:g} to {high:g} Hz", "Correct it")
-    f, values, noise = data.frequency[kept], data.values[:, kept], None
+    f, values, noise, scatter = data.frequency[kept], data.values[:, kept], None, 0.0
     if data.coherence is not None and data.averages > 1:
         # |H| sqrt((1 - g²) / (g² averages)), both parts together: J. S. Bendat and A. G. Piersol, Random Data, 2010, section 9.2
         g = np.clip(np.asarray(data.coherence)[:, kept], 1e-6, 1.0)
         noise = np.asarray(np.abs(values) * np.sqrt((1 - g) / (g * data.averages)))
-        if (around := ceil(ENOUGH / data.averages) - 1) > 0 and np.all(noise > 0):
-            # A variance of so few averages is far too low at single lines: the mean of its logarithm, without its bias
-            low_by = digamma(data.averages - 1) - np.log(data.averages)
+        if np.all(noise > 0):
+            # Of few averages a variance is too low, and at single lines far too low: the mean of its logarithm, without its bias
+            around, low_by = ceil(ENOUGH / data.averages) - 1, digamma(data.averages - 1) - np.log(data.averages)
             lines = uniform_filter1d(2 * np.log(noise), 2 * around + 1, axis=1, mode="nearest")
             noise = np.exp((lines - low_by) / 2)
+            scatter = sqrt(polygamma(1, data.averages - 1) / (2 * around + 1) / 2)  # by which its inverse is on average too large
     functions = measured(
         data.title,
         data.article,
@@ -520,6 +521,7 @@ def of(structure: Nuisances, data: ResponseFunctions, tolerances: Tolerances = p
         share=data.share or 0.0,
         noise=noise,
     )
+    functions = replace(functions, noise_scatter=scatter)
     at = [next((c for c, point in enumerate(data.responses) if _same(drive, point)), -1) for drive in data.drives]
     both = [k for k, c in enumerate(at) if c >= 0]
     if data.share is None and len(both) > 1:
