@@ -103,6 +103,10 @@ UNCHANGED = 0.1
 Exercised by tests/validation/prediction/test_modal_table.py."""
 
 
+OCTAVE = 0.5
+"""Greatest distance of two frequencies, as a share of the higher one, at which two modes may lose together. By definition."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Nuisances:
     """The uncertain numbers of one article.
@@ -242,18 +246,23 @@ class Nuisances:
 
     @cached_property
     def pairs(self) -> tuple[tuple[int, int], ...]:
-        """Pairs of modes, from 0, that may lose together: neighbours, and what a mesh turns, which takes its losses with it."""
-        f = self.frequency
-        unsure = self.apart_by_mesh if self.tolerances.frequency else 0 * f
-        close = np.abs(f - f[:, None]) <= NEIGHBOURS * np.maximum(f, f[:, None])
-        turned = np.sqrt(2 * unsure * unsure[:, None]) * f * f[:, None] > TURNED * np.abs(f**2 - f[:, None] ** 2)
-        r, s = np.nonzero(np.triu(close | turned, 1))
-        return tuple(zip(r.tolist(), s.tolist(), strict=True))
+        """Pairs of modes, from 0, that may lose together: those within an octave, and what a mesh turns, which takes its losses
+        with it. Off resonance, and where an effect turns modes into others, what couples their losses is seen far from both."""
+        return self._near(OCTAVE)
 
     @property
     def mixed(self) -> tuple[tuple[int, int], ...]:
-        """Those that may turn into each other, too: of what stands on a base and has no coarse mesh, participations say that."""
-        return self.pairs if self.coarse or not self.nominal.base else ()
+        """Those that may turn into each other, neighbours: of what stands on a base and has no coarse mesh, participations say
+        that."""
+        return self._near(NEIGHBOURS) if self.coarse or not self.nominal.base else ()
+
+    def _near(self, within: float) -> tuple[tuple[int, int], ...]:
+        f = self.frequency
+        unsure = self.apart_by_mesh if self.tolerances.frequency else 0 * f
+        close = np.abs(f - f[:, None]) <= within * np.maximum(f, f[:, None])
+        turned = np.sqrt(2 * unsure * unsure[:, None]) * f * f[:, None] > TURNED * np.abs(f**2 - f[:, None] ** 2)
+        r, s = np.nonzero(np.triu(close | turned, 1))
+        return tuple(zip(r.tolist(), s.tolist(), strict=True))
 
     def at(self, offsets: Offsets, *, derivatives: Wanted = True) -> tuple[Matrices, dict[str, Tangent]]:
         """The matrices at `offsets`, before effects and laws of damping, and their `derivatives` by parameters but those laws."""
