@@ -246,9 +246,12 @@ class Nuisances:
 
     @cached_property
     def pairs(self) -> tuple[tuple[int, int], ...]:
-        """Pairs of modes, from 0, that may lose together: those within an octave, and what a mesh turns, which takes its losses
-        with it. Off resonance, and where an effect turns modes into others, what couples their losses is seen far from both."""
-        return self._near(OCTAVE)
+        """Pairs of modes, from 0, that may lose together: neighbours, and what a mesh turns, which takes its losses with it.
+
+        Where an effect turns modes into others, what couples their losses is seen far from both: where no base drives, for which
+        the law of losses says so, they are all within an octave.
+        """
+        return self._near(NEIGHBOURS if self.nominal.base else OCTAVE)
 
     @property
     def mixed(self) -> tuple[tuple[int, int], ...]:
