@@ -102,9 +102,9 @@ UNCHANGED = 0.1
 """Share of its tolerances that an article may have changed by between two tests: 0.25 % of a modulus is what 5 K do to steel.
 Exercised by tests/validation/prediction/test_modal_table.py."""
 
-
-OCTAVE = 0.5
-"""Greatest distance of two frequencies, as a share of the higher one, at which two modes may lose together. By definition."""
+TOGETHER = 1 / 3
+"""Greatest distance of two frequencies, as a share of the higher one, at which two modes may lose together where no base drives.
+Held by tests/validation/diagnosing/test_diagnosed.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -249,9 +249,9 @@ class Nuisances:
         """Pairs of modes, from 0, that may lose together: neighbours, and what a mesh turns, which takes its losses with it.
 
         Where an effect turns modes into others, what couples their losses is seen far from both: where no base drives, for which
-        the law of losses says so, they are all within an octave.
+        the law of losses says so, they are those within a factor of 1.5.
         """
-        return self._near(NEIGHBOURS if self.nominal.base else OCTAVE)
+        return self._near(NEIGHBOURS if self.nominal.base else TOGETHER)
 
     @property
     def mixed(self) -> tuple[tuple[int, int], ...]:

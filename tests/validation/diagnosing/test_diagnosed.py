@@ -203,3 +203,16 @@ def test_amplitudes_as_good_as_each_other_are_a_class_and_one_that_explains_litt
     assert len(found.ranking) == 3
     found = unlike(cause("friction:flange:x=2", 3.0), cause("gap:3=10", -5.0))
     assert (found.verdict, found.accepted, found.equivalence_class) == (diagnosis.NONLINEAR, (), ())
+
+
+@pytest.mark.proof
+def test_a_mass_that_turns_modes_of_another_program_is_named_alone(tmp_path, answer, monkeypatch):
+    """Each of its modes loses by itself, with the mass on it: two sloshes of 14 and 8 g stood beside it for what that couples."""
+    from benchmarks import foreign_tests
+
+    (case,) = (one for one in foreign_tests.cases() if one[0] == "storeys-functions-mass")
+    foreign_tests.written(tmp_path / "case", case)
+    monkeypatch.chdir(tmp_path / "case")
+    (mass,) = answer("diagnose", "own.toml")["accepted"]
+    assert mass["id"] == "point-mass:t2"
+    assert mass["value"] == pytest.approx(0.4, rel=0.03)
