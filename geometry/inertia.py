@@ -289,9 +289,8 @@ def require_physical(inertia: Inertia, source: str, rounding: float = ROUNDING) 
     """
     verdict = judge(inertia, rounding)
     if not verdict.physical:
-        problem = f"no body has these parameters: {verdict.text}"
         remedy = "Check signs, units and the reference point (products are matrix entries, Ixy = -∫xy dm)"
-        raise BadInput(source, "inertia", problem, remedy)
+        raise BadInput(source, "inertia", f"no body has these parameters: {verdict.text}", remedy)
     return inertia
 
 

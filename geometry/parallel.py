@@ -128,9 +128,8 @@ def _client(scheduler: str, processes: int) -> Iterator[Any]:
             try:
                 client = Client(scheduler, timeout=CONNECTING, set_as_default=False)
             except (OSError, ValueError) as error:
-                problem = f"no Dask scheduler answers there ({error})"
                 remedy = "Start one with `dask scheduler`, and workers with `dask worker ADDRESS`; name it as tcp://HOST:8786"
-                raise BadInput("--scheduler", scheduler, problem, remedy) from None
+                raise BadInput("--scheduler", scheduler, f"no Dask scheduler answers there ({error})", remedy) from None
             yield stack.enter_context(client)
             return
         stack.enter_context(dask.config.set(SETTINGS))

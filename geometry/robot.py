@@ -480,9 +480,8 @@ class _Sdf(_Numbers):
             listed = [(one.text or "").strip() for one in _parsed(file).findall("sdf")]
             file = next((place for one in reversed(listed) if (place := file.parent / one).is_file()), None)
         if file is None:
-            problem = f"it includes {named or 'nothing'}, which is not there"
             remedy = "Copy that model's folder beside the file, or take the <include> out"
-            raise BadInput(str(self.path), "include", problem, remedy)
+            raise BadInput(str(self.path), "include", f"it includes {named or 'nothing'}, which is not there", remedy)
         root = _parsed(file)
         if root.tag != "sdf" or root.find("model") is None:
             problem = f"it includes {named}, which is <{root.tag[:40]}> and no model of an SDF"

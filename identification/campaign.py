@@ -566,9 +566,8 @@ def require_alive(values: npt.NDArray[Any], name: str, source: str) -> None:
     BadInput : it is constant.
     """
     if len(values) and np.all(values == (0 if np.iscomplexobj(values) else values[0])):
-        problem = f"is dead: all {len(values)} samples are {values[0]:g}"
         remedy = "Check cable and amplifier, or take the channel out of campaign.toml and of every file"
-        raise BadInput(source, name, problem, remedy)
+        raise BadInput(source, name, f"is dead: all {len(values)} samples are {values[0]:g}", remedy)
 
 
 def clipped(values: Array) -> int:

@@ -400,9 +400,8 @@ def hardware_groups(evidence: Evidence, settings: Settings) -> tuple[list[int], 
         if found[-1]:
             if not settings.any_hardware:
                 problem = f"must be that of the article's campaign, {evidence.hardware!r}, found {tare.hardware!r}"
-                problem = f"{problem}: another FMD, other sensors"
                 remedy = "Give a tare of the same hardware, or ask for the combination explicitly"
-                raise BadInput(tare.name, "campaign.hardware", problem, remedy)
+                raise BadInput(tare.name, "campaign.hardware", f"{problem}: another FMD, other sensors", remedy)
             warnings.append(
                 f"{tare.name}: its hardware {tare.hardware!r} is not the article's {evidence.hardware!r}; they share "
                 "neither sensor errors nor FMD, and the tare says nothing about the article"

@@ -117,9 +117,8 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
     if not folders and not tests:
         none = "there is no data: the model names no [[test]]"
         some = "there is no campaign and no test among them, and weights and periods alone tell nothing of frequencies"
-        problem = some if paths else none
         remedy = "Name a campaign folder or the file of a test; `massline weigh`, `cog` and `pendulum` reduce files alone"
-        raise BadInput("DATA", "", problem, remedy)
+        raise BadInput("DATA", "", some if paths else none, remedy)
     described = [campaign_file.read_description(folder) for folder in folders]
     for k, one in enumerate(described):
         for other in described[:k]:  # one article on two FMDs is two series, whatever the model says

@@ -165,9 +165,8 @@ def _require_support(model: Mapping[str, Any], named: parts.Named, kind: str, un
     to_ground = [f"joints.{name}" for name, joint in named.joints.items() if parts.GROUND in joint.between]
     if named.support != "ground" and (named.supports or to_ground):
         where = "supports" if named.supports else to_ground[0]
-        problem = f'ties it to the ground, and support is "{named.support}"'
         remedy = 'Write support = "ground"; what holds a base-driven structure is its interface'
-        raise BadInput(source, f"{TABLE}.{where}", problem, remedy)
+        raise BadInput(source, f"{TABLE}.{where}", f'ties it to the ground, and support is "{named.support}"', remedy)
 
 
 def _text(table: Mapping[str, Any], key: str, source: str) -> str | None:

@@ -272,18 +272,16 @@ def with_places(structure: Structure, dofs: DofMap, contents: Contents, descript
             parts = parts or {"structure": stiffness}
             parts[name], stiffness = share, stiffness + share
         elif name not in parts:
-            problem = "has neither `stiffness` nor a part of its name in the matrices"
             remedy = f"{toml_file.nearest(name, parts)}Add stiffness = [six], or stiffness/{name} to the matrices"
-            raise BadInput(description.source, where, problem, remedy)
+            raise BadInput(description.source, where, "has neither `stiffness` nor a part of its name in the matrices", remedy)
         (supports if GROUND in joint.between else joints).append(name)
         if joint.tolerance is not None:
             tolerances[name] = MappingProxyType({**tolerances.get(name, {}), "modulus": joint.tolerance})
     for name in description.named.supports:
         if name not in parts or name in description.named.joints:
             what = "a joint has that name" if name in parts else "the matrices have no such part"
-            problem = f"names {name!r}, and {what}"
             remedy = f"{toml_file.nearest(name, parts)}Parts are {', '.join(parts) or 'none: write stiffness/' + name}"
-            raise BadInput(description.source, f"{TABLE}.supports", problem, remedy)
+            raise BadInput(description.source, f"{TABLE}.supports", f"names {name!r}, and {what}", remedy)
     found = replace(
         structure,
         stiffness=stiffness,
@@ -319,9 +317,8 @@ def _motion(
         own = np.flatnonzero((dofs.labels[:, 0] == place.node) & (dofs.labels[:, 1] > 0))
         if not own.size:
             known = np.unique(dofs.labels[dofs.labels[:, 1] > 0, 0])
-            problem = f"is node {place.node}, which has no degree of freedom in the matrices"
             remedy = _nodes_there(known) if len(known) else "The rows have no nodes: write { dof = [0, 1, 2] }"
-            raise BadInput(source, where, problem, remedy)
+            raise BadInput(source, where, f"is node {place.node}, which has no degree of freedom in the matrices", remedy)
         # The axes along which its rows move, which Nastran may turn; those of the model where it has no coordinates
         component = dofs.labels[own, 1] - 1
         axes, turns = dofs.rigid[own], component >= 3

@@ -464,9 +464,8 @@ def _require_digest(path: Path, description: Description) -> None:
     with path.open("rb") as file:
         found = hashlib.file_digest(file, "sha256").hexdigest()
     if found != description.sha256:
-        problem = f"is not that of {path.name}, which has {found}"
         remedy = "Copy the file again; if it was changed on purpose, write its new sum here"
-        raise BadInput(description.source, "fe_model.sha256", problem, remedy)
+        raise BadInput(description.source, "fe_model.sha256", f"is not that of {path.name}, which has {found}", remedy)
 
 
 def _require_file(path: Path) -> None:

@@ -91,9 +91,8 @@ def unit_system(text: object, source: str, field: str = "fe_model.units") -> Uni
     by_newton = value["force"] * value["time"] ** 2 / value["length"]
     mass = value.get("mass", by_newton)
     if abs(by_newton / mass - 1) > CONSISTENT:
-        problem = f"the force of {text} is {by_newton / mass:.6g} times mass × length / time²"
         remedy = f"Name the units that the matrices were made with: {', '.join(KNOWN)} are consistent"
-        raise BadInput(source, field, problem, remedy)
+        raise BadInput(source, field, f"the force of {text} is {by_newton / mass:.6g} times mass × length / time²", remedy)
     return UnitSystem(name=str(text), length=value["length"], mass=mass, time=value["time"])
 
 

@@ -342,9 +342,8 @@ def model_command(
         from validation.report.flexible import examine_answer
 
         if out is not None or force or tests:
-            problem = "it writes no file"
             remedy = "Leave out --out, --force and --test; --json prints what was found as one object"
-            raise BadInput("--examine", "", problem, remedy)
+            raise BadInput("--examine", "", "it writes no file", remedy)
         examine_answer(article, as_json=as_json)
         return
     if as_json:

@@ -98,9 +98,8 @@ def candidates(
     for wanted in only:
         if not any(_is(one, wanted) for one in found):
             known = dict.fromkeys(name for one in found for name in (one.added.named.family, one.id))
-            problem = "is no effect that weights and periods could show"
             remedy = f"{nearest(wanted, known)}Known here are {', '.join(dict.fromkeys(one.added.named.family for one in found))}"
-            raise BadInput("--candidate", wanted, problem, remedy)
+            raise BadInput("--candidate", wanted, "is no effect that weights and periods could show", remedy)
     return tuple(one for one in found if not only or any(_is(one, wanted) for wanted in only))
 
 

@@ -289,17 +289,15 @@ def chosen(name: str, model: str | None, against: str | None = None) -> tuple[st
     BadInput : a model asked for of a file that is one itself, or the same model twice.
     """
     if model is not None and is_model(name):
-        problem = f"the file is a model of your own already, of which no {model} model can be made"
         remedy = "Leave it out; to set both side by side name the article first and your model behind --against"
-        raise BadInput(name, "--model", problem, remedy)
+        raise BadInput(name, "--model", f"the file is a model of your own already, of which no {model} model can be made", remedy)
     first = DEFAULT if model is None else model
     if against is None:
         return (first,)
     same_file = is_model(first) and is_model(against) and Path(first).resolve() == Path(against).resolve()
     if not is_model(name) and (against == first or same_file):
-        problem = f"the {against} model would stand beside itself"
         remedy = f"Name another model: {', '.join(m for m in MODELS if m != first)}, or a file with one of your own"
-        raise BadInput(name, "--against", problem, remedy)
+        raise BadInput(name, "--against", f"the {against} model would stand beside itself", remedy)
     return first, against
 
 

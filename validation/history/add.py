@@ -137,9 +137,8 @@ def read(text: str, model: Model, words: Vocabulary, *, fixed: bool) -> tuple[Ad
     named = catalogue.parse(whole, words, source=ARGUMENT)
     there = next((one for one in model.effects if one.named.id == named.id), None)
     if there is not None:
-        problem = f"the model has it already, {there.named}"
         remedy = "`massline undo` takes the last one out; to start it elsewhere, change its value in the file"
-        raise BadInput(model.source, named.id, problem, remedy)
+        raise BadInput(model.source, named.id, f"the model has it already, {there.named}", remedy)
     if fixed and left:
         remedy = f"Write for example {FAMILIES[named.family].example}"
         raise BadInput("--fixed", named.id, "its size is missing, to which it is to be fixed", remedy)
@@ -171,9 +170,8 @@ def candidate(added: Added, left: Sequence[str], study: Study, *, allowed: bool)
     free = replace(after, predictions=made)
     found = alias(free, named.id, names_of(free, named))
     if found is not None and found.effects and not allowed:
-        problem = f"these data cannot tell it from what is in the model: {found.text}"
         remedy = "Add data that tell them apart, undo the other, or say --alias-ok: knowledge beforehand then shares it out"
-        raise BadInput(ARGUMENT, named.id, problem, remedy)
+        raise BadInput(ARGUMENT, named.id, f"these data cannot tell it from what is in the model: {found.text}", remedy)
     # Of a size that was a tolerance of the model before, that; else what its family admits of a careful laboratory
     admitted = {size.key: FAMILIES[named.family].tolerance for size in named.sizes}
     if named.id in before.by_name:

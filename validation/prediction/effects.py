@@ -269,19 +269,14 @@ class Nuisances:
 
     def at(self, offsets: Offsets, *, derivatives: Wanted = True) -> tuple[Matrices, dict[str, Tangent]]:
         """The matrices at `offsets`, before effects and laws of damping, and their `derivatives` by parameters but those laws."""
-        now = self._now(offsets)
+        key = frozenset((name, x) for name, x in offsets.items() if x)
+        if self.last.get("offsets") != key:  # else effects alone have moved
+            self.last.update(offsets=key, now=self._now(offsets))
+        now: _Now = self.last["now"]
         wanted = (one.name for one in self.parameters if is_wanted(one.name, derivatives) and one.name not in LAWS)
         return now.matrices, {name: now.tangent(name) for name in wanted}
 
     def _now(self, offsets: Offsets) -> "_Now":
-        """At `offsets`; where effects alone have moved since, what was made last."""
-        key = frozenset((name, x) for name, x in offsets.items() if x)
-        if self.last.get("offsets") != key:
-            self.last.update(offsets=key, now=self._made(offsets))
-        now: _Now = self.last["now"]
-        return now
-
-    def _made(self, offsets: Offsets) -> "_Now":
         m, name, b = self.nominal, self.configuration, self.nominal.base
         E, D = np.ones(len(m.mass)), np.ones(len(m.mass))
         for r in range(len(self.frequency)):

@@ -203,9 +203,8 @@ def mounted_article(model: Model, campaign: Campaign, highest: float = 0.0) -> M
     pose, said = mounted(campaign)
     own = _own(model, article, campaign.article)
     if not own and not set(article.split("+")) <= set(NAMES):
-        problem = f"it has no model of {article}, which stands on the FMD in {campaign.source}"
         remedy = f"State the path of one, or name a stack of {', '.join(NAMES)} in the campaign"
-        raise BadInput(model.source, "own", problem, remedy)
+        raise BadInput(model.source, "own", f"it has no model of {article}, which stands on the FMD in {campaign.source}", remedy)
     reach = [run.excitation.band[1] for run in campaign.runs if run.excitation is not None and run.excitation.band is not None]
     reach += [float(one.frequency[-1]) for one in campaign.recordings.values() if one.frequency is not None and not reach]
     there, unread = accelerometers(model, campaign)
@@ -343,9 +342,8 @@ def _made(recipe: _Recipe) -> MountedArticle:
         if isinstance(found.model, Structure):
             if not len(found.model.held):
                 support = "ground" if found.model.grounded else "free"
-                problem = f'is "{support}": it has no base that an FMD could carry'
                 remedy = 'State support = "base" with its interface; response functions and modal tables need none'
-                raise BadInput(recipe.own, "fe_model.support", problem, remedy)
+                raise BadInput(recipe.own, "fe_model.support", f'is "{support}": it has no base that an FMD could carry', remedy)
             return _of_structure(recipe, with_positions(found.model, list(places)), damping, {}, None)
         frequency = found.model.frequency
         modal = found.model if damping is None else replace(found.model, viscous=damping_per_mode(damping, 2 * np.pi * frequency))

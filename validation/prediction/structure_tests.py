@@ -84,9 +84,8 @@ def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePredictio
     for article in dict.fromkeys(one.article for one in tests):
         own = [one for one in tests if one.article == article]
         if article not in model.own:
-            problem = f"is {article}, and {model.source} has no model of it"
             remedy = f"{nearest(article, model.own)}Name its file in [structure.own] of {model.source}, or correct the article"
-            raise BadInput(own[0].source, "article", problem, remedy)
+            raise BadInput(own[0].source, "article", f"is {article}, and {model.source} has no model of it", remedy)
         path = model.own[article]
         users = mounting.users_model(path, mounting.stamp(path)).model
         if isinstance(users, Structure):
@@ -107,9 +106,8 @@ def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePredictio
             unknown, by = stated.setdefault(parameter.name, (parameter.logarithmic, made.measured.name))
             if unknown != parameter.logarithmic:
                 pair = (by, made.measured.name) if unknown else (made.measured.name, by)
-                problem = f"is unknown in {pair[0]}, known in {pair[1]}"
                 remedy = 'State `gain` and `force_gain` alike, or name the sensor apart: { place = "tip:z", name = "tip-z-2" }'
-                raise BadInput("test", parameter.name, problem, remedy)
+                raise BadInput("test", parameter.name, f"is unknown in {pair[0]}, known in {pair[1]}", remedy)
     return tuple(found)
 
 

@@ -572,9 +572,8 @@ def _sign(inertia: Mapping[str, Any], source: str) -> float:
         return 1.0
     choices = (MATRIX_ENTRY, POSITIVE_INTEGRAL)
     if "products_sign" not in inertia:
-        problem = "is missing; products of inertia go by two signs"
         remedy = f'Write "{MATRIX_ENTRY}" for -∫xy dm (Eq. 4) or "{POSITIVE_INTEGRAL}" for +∫xy dm'
-        raise BadInput(source, "inertia.products_sign", problem, remedy)
+        raise BadInput(source, "inertia.products_sign", "is missing; products of inertia go by two signs", remedy)
     word = toml_file.one_of(inertia["products_sign"], choices, source=source, where="inertia.products_sign")
     return 1.0 if word == MATRIX_ENTRY else -1.0
 

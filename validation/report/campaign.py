@@ -171,9 +171,8 @@ def correct(folder: str, effects: Sequence[str], out: Path, *, force: bool, as_j
     source = Path(folder)
     test = source / "test.toml" if source.is_dir() else source
     if test.is_file() and test.name != campaign_file.NAME and not holds(test, "model"):
-        problem = "it is no campaign, of whose records alone a corrected copy is written"
         remedy = f"`massline add MODEL EFFECT {test}` lets a model know what is wrong with a test of another kind"
-        raise BadInput(folder, "", problem, remedy)
+        raise BadInput(folder, "", "it is no campaign, of whose records alone a corrected copy is written", remedy)
     simulate.require_folder(out)
     require_folder(out, "--out")
     there, read = out.resolve(), source.resolve()

@@ -689,9 +689,8 @@ def examine_answer(path: str, *, as_json: bool) -> None:
         path = next(iter(own.values())) if len(own) == 1 else path
     if not Path(path).exists() or not reading.is_model(path):
         toml_file.require_no_other(Path(path))
-        problem = "there is no such file" if not Path(path).exists() else "it is no finite-element model"
         remedy = f"Name one of {', '.join(reading.DATA_ENDINGS)}, or a description (.toml with [fe_model])"
-        raise BadInput(path, "", problem, remedy)
+        raise BadInput(path, "", "there is no such file" if not Path(path).exists() else "it is no finite-element model", remedy)
     with output.shown(f"examining {path}", quiet=as_json):
         found = examine.examine(path)
         reduced, why = ((), "") if found.findings else _reduced(study)
