@@ -52,7 +52,7 @@ MOST_EFFECTS = 3
 KEPT = 3
 """[count] of explanations beside which others are looked for. Held by tests/validation/diagnosing/test_landmark_search.py."""
 
-LOOKED_AT = 20
+LOOKED_AT = 12
 """[count] of effects that are looked at beside others, those that should do most there. Held by
 tests/validation/diagnosing/test_landmark_search.py."""
 
@@ -60,7 +60,7 @@ OF_A_FAMILY = 2
 """[count] of these whose newest effect is of one family, for where one joint yields others nearly do, too. Held by
 tests/validation/diagnosing/test_landmark_search.py."""
 
-TRIED = 6
+TRIED = 4
 """[count] of effects that are fitted beside each of these. Held by tests/validation/diagnosing/test_landmark_search.py."""
 
 ALIKE = 0.9995
