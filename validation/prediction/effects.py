@@ -124,7 +124,7 @@ class Nuisances:
     weighed : share by which all that bends may be heavier than drawn, its modes with it
     assumed : whether nobody stated what it loses
     unchanged : whether it is asked how it has changed since a test before, so that but for its losses it is the same article
-    last : what a prediction made of them last, for the next that asks the same
+    last : what was made of them last and what for, one value a name since threads share it, for the next that asks the same
     """
 
     configuration: str
@@ -270,9 +270,9 @@ class Nuisances:
     def at(self, offsets: Offsets, *, derivatives: Wanted = True) -> tuple[Matrices, dict[str, Tangent]]:
         """The matrices at `offsets`, before effects and laws of damping, and their `derivatives` by parameters but those laws."""
         key = frozenset((name, x) for name, x in offsets.items() if x)
-        if self.last.get("offsets") != key:  # else effects alone have moved
-            self.last.update(offsets=key, now=self._now(offsets))
-        now: _Now = self.last["now"]
+        if (last := self.last.get("now", ((), None)))[0] != key:  # else effects alone have moved
+            last = self.last["now"] = key, self._now(offsets)
+        now: _Now = last[1]
         wanted = (one.name for one in self.parameters if is_wanted(one.name, derivatives) and one.name not in LAWS)
         return now.matrices, {name: now.tangent(name) for name in wanted}
 

@@ -290,16 +290,16 @@ class _TablePart(ABC):
             wanted = frozenset(name for name in wanted if name.partition(":")[0] not in LOSSES)
         moving = frozenset((name, x) for name, x in offsets.items() if x and name.partition(":")[0] not in READ_ALONE)
         fixed = tuple((one.named.id, *one.named.values.items()) for one in self.effects if one.fixed)
-        last, key, read = self.structure.last, (moving, stand, wanted), (id(self.table), fixed)
-        if last.get("key") != key:
+        last, key, read = self.structure.last, (moving, stand, wanted), (self.table, fixed)
+        if (made := last.get("modes", ((),)))[0] != key:
             matrices, tangents = dynamic_mass.structure(self.structure, offsets, acting, derivatives=wanted)
-            last |= {"key": key, "modes": (real_modes(matrices), tangents), "read": None}
-        modes, tangents = last["modes"]
-        if last["read"] != read:
+            made = last["modes"] = key, real_modes(matrices), tangents
+        _, modes, tangents = made
+        if (paired := last.get("paired", ((), None)))[0] is not made or paired[1] != read:
             every = partners(modes, self.table, self.effects)
             moved = {name: modes.changed(every, tangent) for name, tangent in tangents.items()} if wanted else {}
-            last |= {"read": read, "table": self.table, "paired": (every, moved)}
-        every, moved = last["paired"]
+            paired = last["paired"] = made, read, every, moved
+        *_, every, moved = paired
         if self.modes != tuple(range(len(every))):
             every, moved = tuple(every[k] for k in self.modes), {name: one.on(self.modes) for name, one in moved.items()}
         return modes, every, moved, effects
@@ -410,10 +410,10 @@ class _TablePart(ABC):
                 whole = modes.matrices
                 M, K = whole.mass + (own.T * mass) @ own, whole.stiffness + (own.T * spring) @ own
                 key, last = (id(whole), id(self.table), K.tobytes(), M.tobytes()), self.structure.last
-                if last.get("attached") != key:  # frequencies and shapes ask one after the other
+                if (made := last.get("attached", ((),)))[0] != key:  # frequencies and shapes ask one after the other
                     there = real_modes(replace(whole, mass=M, stiffness=K))
-                    last |= {"attached": key, "of": whole, "pairs": (there, partners(there, self.table, self.effects))}
-                there, every = last["pairs"]
+                    made = last["attached"] = key, there, partners(there, self.table, self.effects), (whole, self.table)
+                _, there, every, _ = made
                 return self._modes_read(there, [every[k] for k in self.modes], known, effects)
 
             return read
