@@ -156,16 +156,20 @@ class DistantView:
         """Of independent numbers among the landmarks."""
         return sum(one.number for one in self.marks)
 
+    @cached_property
+    def home(self) -> LandmarkFit:
+        """The model as it is."""
+        return self.explained(())
+
     @property
     def far(self) -> bool:
         """Whether the model as it is lies far from the data."""
-        return self.explained(()).chi2 > FAR * self.number
+        return self.home.chi2 > FAR * self.number
 
     def nearest(self, menu: Sequence[Added], most: int) -> list[LandmarkFit]:
         """What one effect of `menu` explains, the best first: of the `most` that come nearest at any of their sizes."""
-        home = self.explained(())
-        looked = sorted((self.scanned(home, one) for one in menu if len(self.sizes((one,))) == 1), key=lambda each: each[0])
-        return sorted((self.explained((there,)) for _, there in looked[:most]), key=lambda one: one.chi2)
+        one_size = [one for one in menu if len(self.sizes((one,))) == 1]
+        return sorted((self.explained((there,)) for there in self.looked(self.home, one_size, most)), key=lambda one: one.chi2)
 
     @cached_property
     def root(self) -> Array:
@@ -233,10 +237,10 @@ class DistantView:
         """`one` at each of its sizes, and what it moves the residual of the model as it is by (s, n)."""
         if one.named.id not in self._moved:
             (free,) = self.sizes((one,))
-            x, home = sizes(free, OCTAVES), self.residual(())
+            x = sizes(free, OCTAVES)
             there = tuple(at_offsets((one,), (free,), [each])[0] for each in x)
             linear = FAMILIES[one.named.family].side != STRUCTURE  # one of a channel
-            asked = [self.residual((each,)) - home for each in (there[:1] if linear else there)]
+            asked = [self.residual((each,)) - self.home.residual for each in (there[:1] if linear else there)]
             self._moved[one.named.id] = there, np.outer(x / x[0], asked[0]) if linear else np.array(asked)
         return self._moved[one.named.id]
 
@@ -248,14 +252,17 @@ class DistantView:
         """chi² and size of `one` beside the effects of `at` where it is least: of that where it should be, and of the next."""
         there, guess = self.moved(one)[0], self.guessed(at, one)
         k = int(np.argmin(guess))
-        near = range(max(k - 1, 0), min(k + 2, len(there))) if at.effects else (k,)
-        return min(
-            ((float(np.sum(self.residual((*at.effects, there[j])) ** 2)), there[j]) for j in near), key=lambda each: each[0]
-        )
+        near = there[max(k - 1, 0) : k + 2] if at.effects else there[k : k + 1]
+        return min(((float(np.sum(self.residual((*at.effects, one)) ** 2)), one) for one in near), key=lambda each: each[0])
+
+    def looked(self, at: LandmarkFit, menu: Sequence[Added], most: int) -> list[Added]:
+        """Those `most` of `menu` that should do most beside the effects of `at`, the best first, at the sizes where they do."""
+        first = sorted(menu, key=lambda one: float(self.guessed(at, one).min()))[:most]
+        return [there for _, there in sorted((self.scanned(at, one) for one in first), key=lambda each: each[0])]
 
     def groups(self, menu: Sequence[Added]) -> list[list[Added]]:
         """Those of `menu` that have one free size and move the landmarks, the alike together."""
-        home, known = self.residual(()), {one.named.id for one in stated(menu)}
+        known = {one.named.id for one in stated(menu)}
         found: list[tuple[Array, list[Added]]] = []
         for one in menu:
             if one.fixed or is_resonator(one.named) or one.named.id in known:
@@ -264,7 +271,8 @@ class DistantView:
             if len(free) != 1:
                 continue
             step = 0.1 * free[0].tolerance
-            moved = self.residual(at_offsets((one,), free, [step if step < free[0].bounds(plain=False)[1] else -step])) - home
+            moved = self.residual(at_offsets((one,), free, [step if step < free[0].bounds(plain=False)[1] else -step]))
+            moved -= self.home.residual
             length = float(np.linalg.norm(moved))
             if length < UNSEEN:
                 continue
@@ -468,7 +476,7 @@ class FromAfar:
         view = DistantView(marks=Landmark.of_tests(data.predictions))
         if not view.marks:
             return None
-        base = view.explained(())
+        base = view.home
         if not view.far:
             return None
         progress("looking from afar", 0.0)
@@ -491,11 +499,8 @@ class FromAfar:
             for k, node in enumerate(some):
                 progress("looking from afar", (done + k / len(some)) / (MOST_EFFECTS + 1))
                 asked.add(node.ids)
-                others = sorted(
-                    (one for one in firsts if one.named.id not in node.ids), key=lambda one: view.guessed(node, one).min()
-                )
-                looked = sorted((view.scanned(node, one) for one in others[:LOOKED_AT]), key=lambda each: each[0])
-                for there in _diverse([there for _, there in looked], TRIED):
+                others = [one for one in firsts if one.named.id not in node.ids]
+                for there in _diverse(view.looked(node, others, LOOKED_AT), TRIED):
                     if (ids := node.ids | {there.named.id}) not in made:
                         made[ids] = nodes.get(ids) or view.explained((*node.effects, there))
             nodes.update(made)

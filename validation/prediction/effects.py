@@ -124,7 +124,7 @@ class Nuisances:
     weighed : share by which all that bends may be heavier than drawn, its modes with it
     assumed : whether nobody stated what it loses
     unchanged : whether it is asked how it has changed since a test before, so that but for its losses it is the same article
-    last : what was made of them last and what for, one value a name since threads share it, for the next that asks the same
+    last : by name what was made of them last and for what, one value since threads share it: see `lately`
     """
 
     configuration: str
@@ -246,17 +246,14 @@ class Nuisances:
 
     @cached_property
     def pairs(self) -> tuple[tuple[int, int], ...]:
-        """Pairs of modes, from 0, that may lose together: neighbours, and what a mesh turns, which takes its losses with it.
-
-        Where an effect turns modes into others, what couples their losses is seen far from both: where no base drives, for which
-        the law of losses says so, they are those within a factor of 1.5.
+        """Pairs of modes, from 0, that may lose together: neighbours, and what a mesh turns, which takes its losses with it;
+        where no base drives, of which the law of losses says it, also those that effects may turn into each other.
         """
         return self._near(NEIGHBOURS if self.nominal.base else TOGETHER)
 
-    @property
+    @cached_property
     def mixed(self) -> tuple[tuple[int, int], ...]:
-        """Those that may turn into each other, neighbours: of what stands on a base and has no coarse mesh, participations say
-        that."""
+        """Those that may turn into each other; of what stands on a base and has no coarse mesh, participations say that."""
         return self._near(NEIGHBOURS) if self.coarse or not self.nominal.base else ()
 
     def _near(self, within: float) -> tuple[tuple[int, int], ...]:
@@ -267,12 +264,15 @@ class Nuisances:
         r, s = np.nonzero(np.triu(close | turned, 1))
         return tuple(zip(r.tolist(), s.tolist(), strict=True))
 
+    def lately(self, what: str, key: object, make: Callable[[], Any]) -> Any:
+        """`what` was made last, for the same `key`; else made anew."""
+        if (known := self.last.get(what, ((), None)))[0] != key:
+            known = self.last[what] = key, make()
+        return known[1]
+
     def at(self, offsets: Offsets, *, derivatives: Wanted = True) -> tuple[Matrices, dict[str, Tangent]]:
         """The matrices at `offsets`, before effects and laws of damping, and their `derivatives` by parameters but those laws."""
-        key = frozenset((name, x) for name, x in offsets.items() if x)
-        if (last := self.last.get("now", ((), None)))[0] != key:  # else effects alone have moved
-            last = self.last["now"] = key, self._now(offsets)
-        now: _Now = last[1]
+        now: _Now = self.lately("now", frozenset((name, x) for name, x in offsets.items() if x), lambda: self._now(offsets))
         wanted = (one.name for one in self.parameters if is_wanted(one.name, derivatives) and one.name not in LAWS)
         return now.matrices, {name: now.tangent(name) for name in wanted}
 

@@ -18,7 +18,7 @@ zeta_i = phi_i^T (omega_i C + S) phi_i / (2 omega_i²).
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Self
 
 import numpy as np
@@ -290,16 +290,12 @@ class _TablePart(ABC):
             wanted = frozenset(name for name in wanted if name.partition(":")[0] not in LOSSES)
         moving = frozenset((name, x) for name, x in offsets.items() if x and name.partition(":")[0] not in READ_ALONE)
         fixed = tuple((one.named.id, *one.named.values.items()) for one in self.effects if one.fixed)
-        last, key, read = self.structure.last, (moving, stand, wanted), (self.table, fixed)
-        if (made := last.get("modes", ((),)))[0] != key:
-            matrices, tangents = dynamic_mass.structure(self.structure, offsets, acting, derivatives=wanted)
-            made = last["modes"] = key, real_modes(matrices), tangents
-        _, modes, tangents = made
-        if (paired := last.get("paired", ((), None)))[0] is not made or paired[1] != read:
-            every = partners(modes, self.table, self.effects)
-            moved = {name: modes.changed(every, tangent) for name, tangent in tangents.items()} if wanted else {}
-            paired = last["paired"] = made, read, every, moved
-        *_, every, moved = paired
+        lately, told = self.structure.lately, (moving, stand, wanted)
+        made = partial(dynamic_mass.structure, self.structure, offsets, acting, derivatives=wanted)
+        matrices, tangents = lately("structure", told, made)
+        modes: RealModes = lately("modes", matrices, lambda: real_modes(matrices))
+        every = lately("partners", (modes, self.table, fixed), lambda: partners(modes, self.table, self.effects))
+        moved = lately("moved", (told, modes, every), lambda: {name: modes.changed(every, one) for name, one in tangents.items()})
         if self.modes != tuple(range(len(every))):
             every, moved = tuple(every[k] for k in self.modes), {name: one.on(self.modes) for name, one in moved.items()}
         return modes, every, moved, effects
@@ -409,11 +405,10 @@ class _TablePart(ABC):
             def read(mass: Array, spring: Array) -> ComplexArray:
                 whole = modes.matrices
                 M, K = whole.mass + (own.T * mass) @ own, whole.stiffness + (own.T * spring) @ own
-                key, last = (id(whole), id(self.table), K.tobytes(), M.tobytes()), self.structure.last
-                if (made := last.get("attached", ((),)))[0] != key:  # frequencies and shapes ask one after the other
-                    there = real_modes(replace(whole, mass=M, stiffness=K))
-                    made = last["attached"] = key, there, partners(there, self.table, self.effects), (whole, self.table)
-                _, there, every, _ = made
+                # Frequencies and shapes ask one after the other
+                key, lately = (whole, K.tobytes(), M.tobytes()), self.structure.lately
+                there = lately("attached", key, lambda: real_modes(replace(whole, mass=M, stiffness=K)))
+                every = lately("beside", (there, self.table), lambda: partners(there, self.table, self.effects))
                 return self._modes_read(there, [every[k] for k in self.modes], known, effects)
 
             return read
