@@ -37,11 +37,11 @@ class Carrier(Protocol):
     def rows(self, points: npt.ArrayLike, names: tuple[str, ...] = ()) -> list[Sparse]:
         """What each degree of freedom moves `points` (p, 3) [m] along x, y, z; (3, n) sparse each."""
 
-    def riding(self, point: Array, beside: Array | None = None) -> Sparse:
-        """(3, n) what moves `point` (3,) [m], riding along with the nearest point of the mesh, or of the part at `beside`."""
+    def riding(self, point: Array) -> Sparse:
+        """(3, n) what moves `point` (3,) [m], riding along with the nearest point of the mesh."""
 
-    def slopes(self, point: Array) -> Array:
-        """(3, 3, n) how what each degree of freedom moves `point` (3,) [m] along x, y, z changes by a metre along x, y, z."""
+    def beside(self, point: Array, steps: Array, moved: Array) -> Array:
+        """(s, 3, k) what `moved` (n, k) moves what is `steps` (s, 3) [m] beside `point` (3,) [m], in one piece with that."""
 
     def numbered(self, number: int) -> Sparse | None:
         """What each degree of freedom moves the node of that number in its file, (3, n); None where it has no such node."""
@@ -234,42 +234,60 @@ def position_of(structure: Structure, place: str) -> Array | None:
     return np.asarray(structure.reference_point + np.array([turns[1, 2], turns[2, 0], turns[0, 1]]))
 
 
-BESIDE = 0.01
-"""[m] to either side of a place within which powers follow how its motion changes: as far as a pick-up is plausibly beside it."""
+BESIDE = (0.01, 0.03, 0.1)
+"""Shares of the size of a structure to either side of a place at which its motion and how that changes are taken from the mesh.
+The last is as far as a pick-up is plausibly beside its place. Held by user_model/test_frame.py."""
 
 NEARBY = 1e-4
 """Share of the size of a structure by which a place is shifted to see how its motion changes. By definition."""
 
 
-def gradients(structure: Structure, places: Sequence[str], moved: Array) -> dict[str, Array]:
-    """By place (3, o, 3, k) how what `moved` (n, k) moves it changes by metres along x, y, z, and on elements squares and cubes.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Beside:
+    """How what moves a place changes beside it, in pieces of third power along each axis, and straight on beyond the last.
+
+    Attributes
+    ----------
+    ends : (p + 1,) [m] from the place
+    pieces : (4, p, 3, 3, k) by power, from the third down, of metres from where a piece begins; by axis x, y, z along which; what
+        each of k coordinates moves it along x, y, z
+    """
+
+    ends: Array
+    pieces: Array
+
+    def shifted(self, axis: int, by: float) -> tuple[Array, Array]:
+        """By how much what moves the place changes `by` [m] beside it along an `axis`, and by a metre more, (3, k) each."""
+        within = float(np.clip(by, self.ends[0], self.ends[-1]))
+        piece = int(np.clip(np.searchsorted(self.ends, within, "right") - 1, 0, self.pieces.shape[1] - 1))
+        third, second, slope, begin = self.pieces[:, piece, axis]
+        x = within - self.ends[piece]
+        there = slope + x * (2 * second + x * 3 * third)
+        return begin + x * (slope + x * (second + x * third)) + (by - within) * there, there
+
+
+def gradients(structure: Structure, places: Sequence[str], moved: Array) -> dict[str, Beside]:
+    """By place how what `moved` (n, k) moves it changes beside it; as the mesh does, or by metres alone where there is none.
 
     A place is found by how it turns with the whole structure. None of those about which nothing turns and no element is known.
     """
+    from scipy.interpolate import CubicSpline
+
     size = (float(np.ptp(structure.points, axis=0).max()) if len(structure.points) else 0.0) or 1.0
-    found = {}
+    ends, near, found = size * np.array([*(-share for share in BESIDE[::-1]), 0.0, *BESIDE]), NEARBY * size, {}
+    steps = np.asarray(np.kron(np.eye(3), ends[:, None]), dtype=np.float64)
     for name in places:
         if (at := position_of(structure, name)) is None or (structure.elements is None and not len(structure.points)):
             continue
         with suppress(BadInput):  # outside the mesh, or far from all nodes that there are
             if structure.elements is not None:
-                slopes, steps = structure.elements.slopes(at) @ moved, BESIDE * np.vstack([np.zeros(3), np.eye(3), -np.eye(3)])
-                here, *ends = (structure.elements.riding(at + by, at) @ moved for by in steps)
-                ahead, behind = ends[:3] - here - BESIDE * slopes, ends[3:] - here + BESIDE * slopes
-                found[name] = np.stack([slopes, (ahead + behind) / (2 * BESIDE**2), (ahead - behind) / (2 * BESIDE**3)], axis=1)
-                continue
-            rows = [row @ moved for row in place_rows(structure, at + NEARBY * size * np.vstack([np.eye(3), -np.eye(3)]))]
-            found[name] = np.array([[(rows[k] - rows[k + 3]) / (2 * NEARBY * size)] for k in range(3)])
+                ways = structure.elements.beside(at, steps, moved).reshape(3, len(ends), 3, -1)
+            else:
+                rows = [row @ moved for row in place_rows(structure, at + near * np.vstack([np.eye(3), -np.eye(3)]))]
+                ways = ends[:, None, None] / (2 * near) * np.subtract(rows[:3], rows[3:])[:, None]
+            pieces = CubicSpline(ends, (ways - ways[:, [len(BESIDE)]]).swapaxes(0, 1)).c
+            found[name] = Beside(ends=ends, pieces=pieces)
     return found
-
-
-def shifted(ways: Array, by: float) -> tuple[Array, Array]:
-    """By how much what moves a place changes `by` [m] beside it, and by a metre more, of its `ways` (o, ...) along that axis:
-    powers within `BESIDE`, beyond as straight as they end."""
-    within, orders = float(np.clip(by, -BESIDE, BESIDE)), np.arange(1, len(ways) + 1)
-    slope = orders * within ** (orders - 1.0)
-    both = np.stack([within**orders + (by - within) * slope, slope]) @ ways.reshape(len(ways), -1)
-    return both[0].reshape(ways.shape[1:]), both[1].reshape(ways.shape[1:])
 
 
 def nearest_node(structure: Structure, point: Array) -> tuple[int, float, float]:

@@ -429,11 +429,10 @@ def parse(table: Mapping[str, Any], source: str, problems: Problems) -> campaign
 
 
 MISTAKEN = 100.0
-"""[m] Extent of channels that no shaking table has: millimetres that are called metres. Held by
-tests/validation/test_doors_agree.py."""
+"""[m] Extent of channels that no shaking table has: millimetres that are called metres. Held by test_doors_agree.py."""
 
 EARTH = (9.76, 9.84)
-"""[m/s²] Gravity at sea level and on mountains, from the equator to the poles. Held by tests/validation/test_doors_agree.py."""
+"""[m/s²] Gravity at sea level and on mountains, from the equator to the poles. Held by test_doors_agree.py."""
 
 
 # A `Campaign` as the text of its ``campaign.toml``, in the order and the layout of the contract.

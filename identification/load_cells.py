@@ -126,7 +126,7 @@ STATED = 0.3
 """The same where the laboratory states a stiffness: that of a data sheet, without bolts, plates and contact."""
 
 LOSES = 0.01
-"""Standard deviation of the loss factor of cells with their bolts. Held by tests/validation/virtual_test/test_structures.py."""
+"""Standard deviation of the loss factor of cells with their bolts. Held by virtual_test/test_structures.py."""
 
 ALIGNED = 1e-6
 """How far from 1 the cosine of an element to its axis may lie to be called after it alone."""

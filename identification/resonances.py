@@ -20,13 +20,13 @@ from identification.spectra.peak_hold import lone_mode
 
 WIDTH = 0.03
 """[1] sigma / omega at which resonances are looked for: those of ordinary structures are narrower, and nearer ones than that are
-one. Held by tests/identification/test_resonances.py."""
+one. Held by test_resonances.py."""
 
 PROMINENT = 2.0
-"""[factor] by which a resonance stands above the saddles beside it. Held by tests/identification/test_resonances.py."""
+"""[factor] by which a resonance stands above the saddles beside it. Held by test_resonances.py."""
 
 ABOVE_NOISE = 5.0
-"""[factor] by which it stands above the noise. Held by tests/identification/test_resonances.py."""
+"""[factor] by which it stands above the noise. Held by test_resonances.py."""
 
 NEXT_TO_NOTHING = 1e-9
 """[share] of the largest that a reading of zero is taken for. By definition."""

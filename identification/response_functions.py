@@ -28,7 +28,7 @@ GAIN = 0.02
 
 DEAF = 1.5
 """[1] Coherence of a channel in that of noise, up to which it reads nothing of the force that others read. Held by
-tests/identification/test_test_files.py."""
+test_test_files.py."""
 
 PEAKS = 0.05
 """[share] of the lines, as of two resonances, at which a channel that follows the force stands out of noise. Held there, too."""
@@ -743,7 +743,7 @@ def _of_text(
 TURNS = 120.0
 """[deg] by which phases in degrees turn at least where there is a resonance: a half-turn, less what damping and the ends of a
 band take. Imaginary parts beside real ones that are never negative (a mobility where it is driven) seldom span as much. Held by
-tests/validation/test_odd_studies.py."""
+test_odd_studies.py."""
 
 _POLAR_WORDS = re.compile(r"(?<![a-z])(?:phase|deg|grad|angle|arg|db|decibel|mag|abs|ampl|modul)", re.IGNORECASE)
 

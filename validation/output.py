@@ -381,7 +381,7 @@ def nats(value: float) -> str:
 
 
 CERTAIN = log(1e6)
-"""[nats] from which odds are only said to be over a million to 1. Held by tests/validation/test_rows.py."""
+"""[nats] from which odds are only said to be over a million to 1. Held by test_rows.py."""
 
 
 def odds(evidence: float) -> str:

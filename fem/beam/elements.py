@@ -264,6 +264,32 @@ def timoshenko(section: Section, length: float, part: str) -> Element:
     return Element(stiffness={part: k}, mass=m)
 
 
+def beam_axes(corners: Array, z_axis: Array | None) -> Array:
+    """Rows (3, 3): a beam's axes from its first end to its second, across, and along its section's z.
+
+    Without a stated `z_axis` that is upright, along the z of the frame, or along x where the beam itself is upright.
+    """
+    along = (corners[1] - corners[0]) / np.linalg.norm(corners[1] - corners[0])
+    wanted = z_axis
+    if wanted is None:
+        wanted = np.array([0.0, 0.0, 1.0]) if abs(along[2]) < 0.99 else np.array([1.0, 0.0, 0.0])
+    z = wanted - along * (along @ wanted)
+    length = np.linalg.norm(z)
+    if not length > 1e-6 * np.linalg.norm(wanted):  # along it, or nowhere
+        raise ValueError("`z_axis` must not lie along the beam")
+    z = z / length
+    return np.array([along, np.cross(z, along), z])
+
+
+def rods(corners: Array, section: Section) -> tuple[Array, Array]:
+    """Stiffness along rods between two `corners` (c, 2, 3) each, and their consistent mass; (c, 6, 6) each."""
+    line = corners[:, 1] - corners[:, 0]
+    length = np.linalg.norm(line, axis=1)[:, None, None]
+    pulled = np.concatenate([-line, line], axis=1)[:, None, :] / length
+    alike = np.kron([[2.0, 1.0], [1.0, 2.0]], np.eye(3)) / 6
+    return section.axial / length * np.swapaxes(pulled, 1, 2) * pulled, section.mass * length * alike
+
+
 def bending_stiffness(bending: float, phi: float, L: float) -> Array:
     """Stiffness (4, 4) of v, theta at the start and at the end: bending E I [N m²], Phi [1], length L [m]."""
     a, b, c = 6 * L, (4 + phi) * L * L, (2 - phi) * L * L

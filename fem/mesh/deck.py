@@ -24,7 +24,7 @@ from geometry.toml_file import STANDARD_GRAVITY
 
 ELASTIC, DENSE, SOUND = (1e6, 1.3e12), (5.0, 22_600.0), (30.0, 14_000.0)
 """Young's modulus [Pa], density [kg/m³] and speed of sound [m/s] between which materials lie, from soft rubber and foam to
-diamond and osmium: units in which a deck's materials are outside are not its own. Held by tests/fem/mesh/test_deck.py."""
+diamond and osmium: units in which a deck's materials are outside are not its own. Held by test_deck.py."""
 
 METALLIC = (3000.0, 12e9)
 """Density [kg/m³] above which a material is metal or ceramic, and the modulus [Pa] of the softest, lead. Held there, too."""

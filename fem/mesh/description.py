@@ -188,7 +188,7 @@ class Hold:
 
 SEAM = 6
 """[count] of links between the same parts, or a part and the ground, of which each may give by itself; more are a seam, which
-holds as a weld does. Held by tests/fem/mesh/test_mesh_structure.py."""
+holds as a weld does. Held by test_mesh_structure.py."""
 
 LOWEST = "lowest plane"
 """What an assembly stands on that neither names an interface, nor is free or on springs."""

@@ -1,14 +1,14 @@
 """Elements of a structure, and what moves a point of them: found by coordinates, carried by the functions of its element."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import combinations
 
 import numpy as np
 import numpy.typing as npt
 
-from fem.beam.elements import IN_XY, IN_XZ, SIGN_XZ, moduli, shape_functions, timoshenko
+from fem.beam.elements import IN_XY, IN_XZ, SIGN_XZ, beam_axes, moduli, rods, shape_functions, timoshenko
 from fem.mesh import shells, solids
 from fem.mesh.constraints import fitted
 from fem.mesh.description import PartTable
@@ -34,7 +34,7 @@ SIX = np.arange(6)
 ENERGY_TOO_HIGH = 2.0
 """[1] What the stiffness of a mesh of solids is too high by, in energy of the jumps of its strains: from 0.7 to 2.3 in 43 modes
 of five structures of ten-node tetrahedra against CalculiX on finer meshes, to 4 and once 6.8 where one or two hexahedra of second
-order are the whole width. Held by tests/fem/mesh/test_mesh_elements.py."""
+order are the whole width. Held by test_mesh_elements.py."""
 
 OF_JUMPS = {"hex8": 0.75, **dict.fromkeys(shells.TRIANGLES, 0.25)}
 """[1] Share of the energy of jumps that tells as much as that of other kinds: what is too high was 0.2 to 1.6 times the whole in
@@ -69,6 +69,12 @@ class Block(Cells):
     def turning(self) -> bool:
         """Whether its nodes turn."""
         return self.kind != ROD and self.kind not in solids.KINDS
+
+    def only(self, some: Integers) -> "Block":
+        """`some` of its elements, by their indices in it."""
+        axes, offsets = (None if one is None else one[some] for one in (self.axes, self.offsets))
+        loose = None if self.loose is None else self.loose[some]
+        return replace(self, tags=self.tags[some], nodes=self.nodes[some], axes=axes, offsets=offsets, loose=loose)
 
     def corners(self, points: Array, some: slice | int = slice(None)) -> Array:
         """Where `some` elements are, (c, k, 3) or of one (k, 3): at their nodes, which are at `points`, or off them."""
@@ -130,6 +136,10 @@ class Block(Cells):
         return length, np.asarray(T, dtype=np.float64)
 
 
+AS_ONE = 0.01
+"""[1] Ratio of motions up to which two ends go as one: a frame's, clamped as stiffly as four digits of a frequency ask, differ by
+0.002. Held by user_model/test_frame.py."""
+
 WITHIN = 0.01
 """[share] of the way to the middle of an element at which its slopes are asked of a point on its surface. By definition."""
 
@@ -160,6 +170,11 @@ class Foot:
     dofs: Integers
     moved: Array
     turned: Array | None
+
+
+def _away(bounds: Array, point: Array) -> Array:
+    """(e,) how far `point` (3,) is from boxes whose corners are `bounds` (e, 2, 3)."""
+    return np.asarray(np.linalg.norm(np.maximum(0, np.maximum(bounds[:, 0] - point, point - bounds[:, 1])), axis=1))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -199,28 +214,74 @@ class Elements:
         named = names or tuple(f"({', '.join(f'{1e3 * value:.4g}' for value in point)}) mm" for point in found)
         return [self.motion(point, name)[:3] for point, name in zip(found, named, strict=True)]
 
-    def riding(self, point: Array, beside: Array | None = None) -> Sparse:
-        """(3, n) what moves `point` (3,) [m], riding along with the nearest point of the mesh, or of the part at `beside`."""
-        foot = self.nearest(point, None if beside is None else self.nearest(beside).part)
-        rows, arm = self._sparse(foot.moved, foot.dofs), point - foot.point
-        if np.linalg.norm(arm) <= WITHIN**2 * foot.size:
-            return rows
-        return rows + type(rows)(np.einsum("a,ain->in", arm, self.slopes(foot.point)))
+    def beside(self, point: Array, steps: Array, moved: Array) -> Array:
+        """(s, 3, k) what `moved` (n, k) moves what is `steps` (s, 3) [m] beside `point` (3,) [m], in one piece with that.
 
-    def slopes(self, point: Array) -> Array:
-        """How what each degree of freedom moves `point` (3,) [m] along x, y, z changes by a metre along x, y, z; (3, 3, n).
-
-        It is asked just within the element that holds the point: across a joint motion jumps, and outside nothing moves.
+        Which piece that is says the `moved` that asks first.
 
         Raises
         ------
         BadInput : as of `rows`.
         """
-        foot = self.foot_of(point, "")
+        from scipy.sparse import vstack
+
+        asked = point.tobytes() + steps.tobytes()
+        if (rows := self._asked.get(asked)) is None:
+            piece = self._about(point, float(np.linalg.norm(steps, axis=1).max()), moved)
+            rows = self._asked[asked] = vstack([piece.riding(point + step) for step in steps])
+        return np.asarray(rows @ moved).reshape(len(steps), 3, -1)
+
+    @cached_property
+    def _asked(self) -> dict[bytes, Sparse]:
+        """What was asked of `beside`, (3 s, n) each: a structure is reduced again and again, its mesh stays."""
+        return {}
+
+    def _about(self, point: Array, reach: float, moved: Array) -> "Elements":
+        """What of it is within `reach` [m] of `point` (3,) [m] and in one piece with what holds that: elements share nodes, one
+        with the next, or go there, where `moved` (n, k) moves it, as that does, which across a joint that gives they do not.
+
+        Raises
+        ------
+        BadInput : as of `rows`.
+        """
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
+
+        foot, (bounds, owner), count = self.foot_of(point, ""), self._boxes, len(self.points)
+        near = owner[_away(bounds, point) <= max(reach, foot.distance * ALIKE)]
+        own = [(block, near[near[:, 0] == k, 1]) for k, block in enumerate(self.blocks)]
+        blocks = [block.only(some) for block, some in own if len(some)]
+        pairs = np.vstack([np.column_stack([np.repeat(b.nodes[:, 0], b.nodes.shape[1]), b.nodes.ravel()]) for b in blocks])
+        graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(count, count))
+        piece, kept = connected_components(graph, directed=False)[1], list[Block]()
+        goes = self._sparse(foot.moved, foot.dofs) @ moved
+        for one in np.unique(piece[pairs[:, 0]]):
+            there = [block.only(np.flatnonzero(piece[block.nodes[:, 0]] == one)) for block in blocks]
+            found = replace(self, blocks=tuple(block for block in there if len(block.tags)))
+            other = found.nearest(point)
+            meets = other.distance <= foot.distance + WITHIN * foot.size
+            if meets and np.linalg.norm(self._sparse(other.moved, other.dofs) @ moved - goes) <= AS_ONE * np.linalg.norm(goes):
+                kept += found.blocks
+        return replace(self, blocks=tuple(kept))
+
+    def riding(self, point: Array) -> Sparse:
+        """(3, n) what moves `point` (3,) [m], riding along with the nearest point of the mesh."""
+        foot = self.nearest(point)
+        rows = self._sparse(foot.moved, foot.dofs)
+        if foot.distance:
+            for arm, slope in zip(point - foot.point, self._slopes(foot), strict=True):
+                rows = rows + arm * slope
+        return rows
+
+    def _slopes(self, foot: Foot) -> list[Sparse]:
+        """How what each degree of freedom moves `foot` changes by a metre along x, y, z; (3, n) each.
+
+        It is asked just within the element that holds the point: across a joint motion jumps, and outside nothing moves.
+        """
         inward = WITHIN * (self.points[foot.nodes].mean(axis=0) - foot.point)
-        at, step = (foot.point if foot.turned is None else point) + inward, 0.01 * WITHIN * foot.size
+        at, step = foot.point + inward, 0.01 * WITHIN * foot.size
         ahead, behind = ([self.motion(at + sign * axis, "", foot.part)[:3] for axis in step * np.eye(3)] for sign in (1, -1))
-        return np.stack([(one - other).toarray() for one, other in zip(ahead, behind, strict=True)]) / (2 * step)
+        return [(one - other) / (2 * step) for one, other in zip(ahead, behind, strict=True)]
 
     def numbered(self, number: int) -> Sparse | None:
         """What each degree of freedom moves the node of that number in its file, (3, n); None where it has no such node."""
@@ -329,7 +390,7 @@ class Elements:
     def nearest(self, point: Array, part: str | None = None) -> Foot:
         """The foot of `point` (3,) [m] on the mesh, or on one `part` of it."""
         bounds, owner = self._boxes
-        away = np.linalg.norm(np.maximum(0, np.maximum(bounds[:, 0] - point, point - bounds[:, 1])), axis=1)
+        away = _away(bounds, point)
         if part is not None:
             away[np.array([block.part != part for block in self.blocks])[owner[:, 0]]] = np.inf
         best: Foot | None = None
@@ -580,23 +641,6 @@ class Elements:
             yield made(L @ own, table.thickness or 0.0, dofs, moved, turned)
 
 
-def beam_axes(corners: Array, z_axis: Array | None) -> Array:
-    """Rows (3, 3): a beam's axes from its first end to its second, across, and along its section's z.
-
-    Without a stated `z_axis` that is upright, along the z of the frame, or along x where the beam itself is upright.
-    """
-    along = (corners[1] - corners[0]) / np.linalg.norm(corners[1] - corners[0])
-    wanted = z_axis
-    if wanted is None:
-        wanted = np.array([0.0, 0.0, 1.0]) if abs(along[2]) < 0.99 else np.array([1.0, 0.0, 0.0])
-    z = wanted - along * (along @ wanted)
-    length = np.linalg.norm(z)
-    if not length > 1e-6 * np.linalg.norm(wanted):  # along it, or nowhere
-        raise ValueError("`z_axis` must not lie along the beam")
-    z = z / length
-    return np.array([along, np.cross(z, along), z])
-
-
 def _on_triangle(corners: Array, point: Array) -> Array:
     """Area coordinates (3,) of the point of a triangle (3, 3) nearest to `point`."""
     inside = np.linalg.lstsq((corners[1:] - corners[0]).T, point - corners[0], rcond=None)[0]
@@ -647,7 +691,9 @@ def assembled(elements: Elements) -> tuple[dict[str, Sparse], dict[str, Sparse],
                     kinds["K"].add(freedoms(nodes, 3), K)
                     kinds["M"].add(freedoms(nodes, 3), M)
             elif block.kind == ROD:
-                K, M = _rods(elements.points[block.nodes], part)
+                if part.section is None:
+                    raise ValueError(f"`section` of part {name} must be given")
+                K, M = rods(elements.points[block.nodes], part.section.times(1.0))
                 kinds["K"].add(freedoms(block.nodes, 3), K)
                 kinds["M"].add(freedoms(block.nodes, 3), M)
             elif block.kind == LINE:
@@ -685,17 +731,6 @@ def assembled(elements: Elements) -> tuple[dict[str, Sparse], dict[str, Sparse],
 def _batches(count: int, size: int) -> Iterator[slice]:
     step = max(BATCH // size**2, 1)
     return (slice(k, k + step) for k in range(0, count, step))
-
-
-def _rods(corners: Array, part: PartTable) -> tuple[Array, Array]:
-    """Stiffness along rods between two `corners` (c, 2, 3) each, and their consistent mass; (c, 6, 6) each."""
-    if part.section is None:
-        raise ValueError("`section` of rods must be given")
-    section, line = part.section.times(1.0), corners[:, 1] - corners[:, 0]
-    length = np.linalg.norm(line, axis=1)[:, None, None]
-    pulled = np.concatenate([-line, line], axis=1)[:, None, :] / length
-    alike = np.kron([[2.0, 1.0], [1.0, 2.0]], np.eye(3)) / 6
-    return section.axial / length * np.swapaxes(pulled, 1, 2) * pulled, section.mass * length * alike
 
 
 def _beams(elements: Elements, block: Block, part: PartTable) -> tuple[Array, Array, Array]:

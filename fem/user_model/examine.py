@@ -117,8 +117,7 @@ LOOKED_AT = 10
 """[count] of modes by which a mesh is judged: what a test of a structure usually has. By definition."""
 
 TOO_COARSE = 0.05
-"""[share of a frequency] that a mesh may be off before it is wrong: as much as a modulus a tenth off. Held by
-tests/fem/test_examine.py."""
+"""[share of a frequency] that a mesh may be off before it is wrong: as much as a modulus a tenth off. Held by test_examine.py."""
 
 
 def coarsest(structure: Structure) -> tuple[float, str, float] | None:

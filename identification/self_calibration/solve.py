@@ -201,7 +201,7 @@ MOST = 60
 
 HOPE = 10.0
 """Times what the quadratic model still expects, or what the last step gained, that a fit gains along the worst valley seen.
-Exercised by tests/identification/self_calibration/test_likelihood.py."""
+Exercised by self_calibration/test_likelihood.py."""
 
 LEAST, HOPELESS = 1e-6, 1e12
 """Damping with which the iteration begins, and with which it is given up."""

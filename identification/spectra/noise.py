@@ -286,7 +286,7 @@ _OF_MEDIAN = 1 / np.sqrt(1.5 * np.log(2))
 
 CROSSED = 0.1
 """[share] of what two forces move along themselves, over all lines, below which a reading is one across them: slants of a few
-degrees, and places, make another number of it. Held by tests/validation/prediction/test_response_functions.py."""
+degrees, and places, make another number of it. Held by test_response_functions.py."""
 
 
 def repeatability(accelerances: npt.ArrayLike, noise: npt.ArrayLike = 0.0) -> float:

@@ -182,8 +182,7 @@ PERIODIC = 0.5
 definition."""
 
 APART = 0.02
-"""[share] What no other force explains of one, in the mean over lines, below which they are one. Held by
-tests/identification/test_test_files.py."""
+"""[share] What no other force explains of one, in the mean over lines, below which they are one. Held by test_test_files.py."""
 
 
 def _averaged(F: ComplexArray, X: ComplexArray, estimator: str, source: str) -> tuple[ComplexArray, Array]:

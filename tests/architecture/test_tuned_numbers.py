@@ -1,7 +1,8 @@
 """Every tuned number of the search and of the fits stands alone on its line and says its unit, its meaning and what holds it.
 
-"Held by" a test: the test was seen to fail with the number four (a small one a hundred) times as large or as small. "Exercised
-by": the test runs it, and whether it would notice was not shown. Figures of `make blind` stand in docs/diagnosis-proven-blind.md.
+"Held by" a test, by its name or, where several have that, by the end of its path: the test was seen to fail with the number
+four (a small one a hundred) times as large or as small. "Exercised by": the test runs it, and whether it would notice was not
+shown. Figures of `make blind` stand in docs/diagnosis-proven-blind.md.
 """
 
 import ast
@@ -20,7 +21,7 @@ UNITS = {
 }
 
 WITHOUT_TEST = 1
-"""[count] of numbers that say "No test of its own": it may fall, not rise. Held by tests/architecture/test_tuned_numbers.py."""
+"""[count] of numbers that say "No test of its own": it may fall, not rise. Held by test_tuned_numbers.py."""
 
 
 def is_number(node: ast.expr) -> bool:
@@ -61,9 +62,9 @@ def faults(source: str) -> list[str]:
 def _held(told: str) -> bool:
     """Whether a docstring names what a change of the number would meet."""
     told = " ".join(told.split())
-    tests = re.findall(r"tests/[\w/]+\.py", told)
+    tests = re.findall(r"(?:\w+/)*test_\w+\.py", told)
     if tests:
-        return all((ROOT / one).is_file() for one in tests)
+        return all(len([*(ROOT / "tests").rglob(one)]) == 1 for one in tests)
     return "`make blind`" in told or told.endswith(("By definition.", "No test of its own."))
 
 

@@ -583,8 +583,7 @@ SENSED = dict(
 AXES = dict(zip(MOTIONS, ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z"), strict=True))
 
 NOTHING_READ = 1e6
-"""[%] of what a channel reads, from which it reads nothing, and no share of it is told. Exercised by
-tests/validation/prediction/test_single_axis.py."""
+"""[%] of what a channel reads, from which it reads nothing, and no share of it is told. Exercised by test_single_axis.py."""
 
 TIMES = 1e3
 """[%] from which a share is told as so many times. By definition."""

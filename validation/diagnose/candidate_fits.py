@@ -28,14 +28,14 @@ from validation.study import Study
 SCATTER = 3.0
 """[sd] that chi² per degree of freedom of a null may lie above what noise alone predicts: scatter of chi² and of the noise
 estimate. The model-error floor is a bound that nulls do not use: they read 0.97 to 1.01 of the noise. Set by the development
-draws of `make blind`, held by tests/validation/diagnosing/test_search.py."""
+draws of `make blind`, held by test_search.py."""
 
 UNLIKELY = 1e-4
 """[probability] of a sum of z² below which the tolerances pay for something that is missing. Set by the development draws of
-`make blind`, held by tests/validation/diagnosing/test_search.py."""
+`make blind`, held by test_search.py."""
 
 ABSURD = 4.8
-"""[sd] of one tolerance, of some four hundred, that is no chance. Held by tests/validation/diagnosing/test_search.py."""
+"""[sd] of one tolerance, of some four hundred, that is no chance. Held by test_search.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -214,7 +214,7 @@ def restarted_from_priors(data: Study, at: Candidate, added: Added | None = None
 
 SAME_NATS = 0.05
 """[nats] within which two fits are one: they end a tenth of a standard deviation from their minimum, which is 0.005. Held by
-tests/validation/diagnosing/test_search.py."""
+test_search.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

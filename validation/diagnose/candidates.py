@@ -48,7 +48,7 @@ OF_BASE = ("accelerometer-misalignment", "accelerometer-position")
 
 TINY = 1e-9
 """[kg] Mass of a resonator that does next to nothing; a step of its logarithm is then linear. Set by the development draws of
-`make blind`, held by tests/validation/diagnosing/test_candidates.py."""
+`make blind`, held by test_candidates.py."""
 
 TINY_AT = {"m": TINY, "f": 1000.0, "zeta": 0.02}
 
@@ -137,7 +137,7 @@ def is_resonator(named: Named) -> bool:
 
 
 SIZE_OCTAVES = np.arange(-6.0, 4.0, 0.5)
-"""[octave] of the prior sd: sizes at which an effect is looked at. Held by tests/validation/diagnosing/test_search.py."""
+"""[octave] of the prior sd: sizes at which an effect is looked at. Held by test_search.py."""
 
 
 def sizes(of: Parameter, octaves: Array = SIZE_OCTAVES) -> Array:
@@ -235,15 +235,14 @@ DAMPING = (0.005, 0.02, 0.08)
 """[1] Damping ratios of the resonators that are looked up. Set by the development draws of `make blind`."""
 
 BEYOND = 1.15
-"""[factor] by which the resonators that are looked up reach beyond the band at either end. Held by
-tests/validation/diagnosing/test_candidates.py."""
+"""[factor] by which the resonators that are looked up reach beyond the band at either end. Held by test_candidates.py."""
 
 PER_OCTAVE = 24
 """[count] of frequencies in an octave at which a resonator is looked up. Set by the development draws of `make blind`."""
 
 OCCAM = 4.0
 """[nats] that three sizes which are known to a factor cost at least, where the data tell them well. Set by the development draws
-of `make blind`, held by tests/validation/diagnosing/test_candidates.py."""
+of `make blind`, held by test_candidates.py."""
 
 
 SAME_DIRECTION = 0.02
@@ -416,14 +415,13 @@ class AnySize:
 
 
 OCTAVES = np.arange(-8.0, 9.0)
-"""[octave] Sizes about that of a fit between which an interval ends; beyond nothing ends it. Exercised by
-tests/validation/diagnosing/test_candidates.py."""
+"""[octave] Sizes about that of a fit between which an interval ends; beyond nothing ends it. Exercised by test_candidates.py."""
 
 GROWS = 4.0
 """[factor] By which a size grows that is not told yet. By definition."""
 
 NEAR = 0.05
-"""[share] to which the smallest size is looked for. Held by tests/validation/diagnosing/test_candidates.py."""
+"""[share] to which the smallest size is looked for. Held by test_candidates.py."""
 
 ABOVE, BELOW = "factors above 1", "factors below 1"
 """At which alone a factor would be named: what is all but rigid cannot be stiffer."""
@@ -469,7 +467,7 @@ SWITCHED = 1.0
 
 TOGETHER = 512
 """[count] of candidates that are screened at a time: products of columns cost the square of their number, and each resonator is a
-coordinate of the matrices more, which cost the cube. Held by tests/validation/diagnosing/test_candidates.py."""
+coordinate of the matrices more, which cost the cube. Held by test_candidates.py."""
 
 
 def screen(data: Study, at: Candidate, menu: Sequence[Added]) -> tuple[Screened, ...]:

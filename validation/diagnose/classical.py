@@ -32,12 +32,11 @@ UNITS = ("kg", "m", "m", "m", *("kg m^2",) * 6)
 
 
 REACH = 6.0
-"""[prior sd] up to which the size of an effect is looked at; beyond it explains nothing. Held by
-tests/validation/diagnosing/test_classical.py."""
+"""[prior sd] up to which the size of an effect is looked at; beyond it explains nothing. Held by test_classical.py."""
 
 LIGHTEST = 0.5
 """[share] of the mass of an article that is left at the least: more is not missing in a drawing. Set by the development draws of
-`make blind`, exercised by tests/validation/diagnosing/test_classical.py."""
+`make blind`, exercised by test_classical.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,15 +117,14 @@ def at_prior_sd(name: str) -> Named:
 
 
 DEGREE = 10
-"""[count] Degree of the polynomial; effects are of second degree in their size or near it. Held by
-tests/validation/diagnosing/test_classical.py."""
+"""[count] Degree of the polynomial; effects are of second degree in their size or near it. Held by test_classical.py."""
 
 NARROWER = 0.7
 """[factor] by which an interval shrinks whose end no pendulum and no body can have. Set by the development draws of `make blind`,
-exercised by tests/validation/diagnosing/test_classical.py."""
+exercised by test_classical.py."""
 
 TRIES = 12
-"""[count] of times that such an interval shrinks. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[count] of times that such an interval shrinks. Exercised by test_classical.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -303,8 +301,7 @@ def _left(fact: ArticleFact, offsets: dict[str, float] | None = None) -> float:
 
 
 ANSWERS = 0.1
-"""[sd] of some measurement that an effect at its prior sd must move to be looked at. Exercised by
-tests/validation/diagnosing/test_classical.py."""
+"""[sd] of some measurement that an effect at its prior sd must move to be looked at. Exercised by test_classical.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -347,7 +344,7 @@ def answering(
 
 DISAGREE = 4.0
 """[sd] from which two measurements of one quantity, or one and the campaigns, contradict each other. Exercised by
-tests/validation/diagnosing/test_classical.py."""
+test_classical.py."""
 
 MASS = "mass"
 
@@ -378,17 +375,16 @@ def _conditions(swing: RecordedSwing) -> dict[str, object]:
 
 
 POINTS = 401
-"""[count] of sizes in each look at one effect. Held by tests/validation/diagnosing/test_classical.py."""
+"""[count] of sizes in each look at one effect. Held by test_classical.py."""
 
 LOOKS = 4
-"""[count] of looks, each closer than the one before. Held by tests/validation/diagnosing/test_classical.py."""
+"""[count] of looks, each closer than the one before. Held by test_classical.py."""
 
 FAR = 30.0
-"""[nats] below the summit at which nothing is left. Held by tests/validation/diagnosing/test_classical.py."""
+"""[nats] below the summit at which nothing is left. Held by test_classical.py."""
 
 NEAR = 1e-4
-"""[nats] below the summit within which the summit itself is looked for. Exercised by
-tests/validation/diagnosing/test_classical.py."""
+"""[nats] below the summit within which the summit itself is looked for. Exercised by test_classical.py."""
 
 TAIL = 0.05
 """[probability] on either side of a 90 % interval. By definition."""
@@ -496,10 +492,10 @@ def steps(sizes: Array) -> Array:
 
 
 PAIR_POINTS = 121
-"""[count] of sizes in each look at a pair of effects, along either. Held by tests/validation/diagnosing/test_classical.py."""
+"""[count] of sizes in each look at a pair of effects, along either. Held by test_classical.py."""
 
 PAIR_LOOKS = 5
-"""[count] of looks at a pair, each closer than the one before. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[count] of looks at a pair, each closer than the one before. Exercised by test_classical.py."""
 
 
 def both(
@@ -551,24 +547,22 @@ def both(
 
 
 ALIAS_CHI2 = 2.0
-"""[chi²] by which an alias may fit worse than the best. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[chi²] by which an alias may fit worse than the best. Exercised by test_classical.py."""
 
 LARGE = 3.0
-"""[prior sd] up to which a size is possible. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[prior sd] up to which a size is possible. Exercised by test_classical.py."""
 
 UNKNOWN_BELOW = 1e-5
-"""[probability] of a misfit below which the cause is unknown though nothing is worth a name. Exercised by
-tests/validation/diagnosing/test_classical.py."""
+"""[probability] of a misfit below which the cause is unknown though nothing is worth a name. Exercised by test_classical.py."""
 
 NO_SIZE = 5e-3
-"""[prior sd] below which the best size is none. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[prior sd] below which the best size is none. Exercised by test_classical.py."""
 
 PAIR = 2
 """[count] of effects in a pair. By definition."""
 
 OF_PAIRS = 8
-"""[count] of effects, the best by themselves, of which pairs are tried. Exercised by
-tests/validation/diagnosing/test_classical.py."""
+"""[count] of effects, the best by themselves, of which pairs are tried. Exercised by test_classical.py."""
 
 
 PLAUSIBLE = 1.0
@@ -714,7 +708,7 @@ def explains(one: ClassicalCandidateFit, measurements: int) -> bool:
 
 
 HALVINGS = 12
-"""[count] of halvings of the interval that holds the size. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[count] of halvings of the interval that holds the size. Exercised by test_classical.py."""
 
 
 def detectable(tried: Sequence[ClassicalCandidateFit], covariance: Array) -> tuple[Detectable, ...]:
@@ -740,5 +734,4 @@ def detectable(tried: Sequence[ClassicalCandidateFit], covariance: Array) -> tup
 
 
 ROUNDING = 1e-12
-"""[share] of a variance that is left of one which a single input makes alone. Exercised by
-tests/validation/diagnosing/test_classical.py."""
+"""[share] of a variance that is left of one which a single input makes alone. Exercised by test_classical.py."""

@@ -41,22 +41,22 @@ HALF = 0.5
 """[factor] by which the other test differs: shorter or lighter, or twice as well known. By definition."""
 
 BALANCE = 5e-4
-"""[share] One sd of a mass on the balance of an article. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[share] One sd of a mass on the balance of an article. Exercised by test_classical.py."""
 
 SMALL_BALANCE = 1e-3
-"""[kg] One sd of the mass of the ropes. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[kg] One sd of the mass of the ropes. Exercised by test_classical.py."""
 
 RULER = 2.5e-4
-"""[m] One sd of a stretch; a ruler reads 0.5 mm. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[m] One sd of a stretch; a ruler reads 0.5 mm. Exercised by test_classical.py."""
 
 SHARE = 5e-3
-"""[share] of the weight: one sd of what a rope carries. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[share] of the weight: one sd of what a rope carries. Exercised by test_classical.py."""
 
 DECAY = 2.5e-4
-"""[1] One sd of a damping ratio from a decay. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[1] One sd of a damping ratio from a decay. Exercised by test_classical.py."""
 
 CRANE = 5e-4
-"""[m] One sd of a centre of gravity on the crane. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[m] One sd of a centre of gravity on the crane. Exercised by test_classical.py."""
 
 OFF_CENTRE = "off-centre-suspension"
 
@@ -202,18 +202,16 @@ def _swing(fact: ArticleFact) -> RecordedSwing:
 
 
 EXPLANATIONS_TOLD_APART = 6
-"""[count] of explanations that are told apart at most, the best of each family first. Exercised by
-tests/validation/diagnosing/test_classical.py."""
+"""[count] of explanations that are told apart at most, the best of each family first. Exercised by test_classical.py."""
 
 SURE = 30.0
-"""[nats] beyond which nobody is surer. Held by tests/validation/diagnosing/test_classical.py."""
+"""[nats] beyond which nobody is surer. Held by test_classical.py."""
 
 WORTH_WHILE = 1.0
-"""[nats] below which a test is not worth the work. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[nats] below which a test is not worth the work. Exercised by test_classical.py."""
 
 NAMED = 3
-"""[count] of explanations whose expected reading stands in the words of a test. Exercised by
-tests/validation/diagnosing/test_classical.py."""
+"""[count] of explanations whose expected reading stands in the words of a test. Exercised by test_classical.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -666,8 +666,7 @@ def errors_without_fit(study: Study, offsets: Offsets) -> Evaluation:
 OPTION = "--candidate"
 
 FEWEST_RUNS = 2
-"""[count] of runs of all campaigns together: what one teaches another must confirm. Exercised by
-tests/validation/diagnosing/test_command.py."""
+"""[count] of runs of all campaigns together: what one teaches another must confirm. Exercised by diagnosing/test_command.py."""
 
 OTHERWISE = {
     effect.MISTAKE: "Leave it out: mistakes are looked for in every diagnosis, before any fit",

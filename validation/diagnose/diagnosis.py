@@ -31,7 +31,7 @@ NOTHING, MISSING, AMBIGUOUS, SEVERAL, UNKNOWN, NONLINEAR, MISTAKE = VERDICTS = (
 )
 
 MANY_NATS = 1000.0
-"""[nats] beyond which a forecast of evidence says only that it is decided. Held by tests/validation/diagnosing/test_page.py."""
+"""[nats] beyond which a forecast of evidence says only that it is decided. Held by diagnosing/test_page.py."""
 
 
 ANY = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
@@ -265,10 +265,10 @@ class LevelDifference:
 
 NARROWED = 0.5
 """[share] of what was admitted of a tolerance to which data must narrow it for it to be known better. Held by
-tests/validation/diagnosing/test_known_better.py."""
+test_known_better.py."""
 
 SIGNIFICANT = 2.0
-"""[sd] from no effect, or from nominal, at which something is one. Exercised by tests/validation/diagnosing/test_diagnosed.py."""
+"""[sd] from no effect, or from nominal, at which something is one. Exercised by test_diagnosed.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -631,7 +631,7 @@ class Screened:
 
 
 NAMED = 4
-"""[count] of effects that a sentence names; of more, their number is. Held by tests/validation/diagnosing/test_page.py."""
+"""[count] of effects that a sentence names; of more, their number is. Held by diagnosing/test_page.py."""
 
 
 def headline(found: Diagnosis) -> str:

@@ -60,57 +60,53 @@ KINDS = (MASS, *SPRINGS, RESONATOR)
 """What is looked for: a family, with its direction."""
 
 AT_ONCE = 4e6
-"""[count] of readings of nodes that are worked out together: some ten megabytes an array. Exercised by
-tests/validation/diagnosing/test_everywhere.py."""
+"""[count] of readings of nodes that are worked out together: some ten megabytes an array. Exercised by test_everywhere.py."""
 
 SURVEYED = 128
 """[count] of nodes, spread over the structure, at which frequency and damping of a resonator are looked up, and all else from
-afar. Exercised by tests/validation/diagnosing/test_everywhere.py."""
+afar. Exercised by test_everywhere.py."""
 
 KEPT = 5e8
 """[count] of bytes kept of what coordinates answer to places, three complex numbers a coordinate, line and place. Held by
-tests/validation/diagnosing/test_everywhere.py."""
+test_everywhere.py."""
 
 PRODUCTS = 1e10
 """[count] of readings times parameters times nodes, about a minute's work; beyond them nodes say what the nearest of those says
-that are worked out. Held by tests/validation/diagnosing/test_everywhere.py."""
+that are worked out. Held by test_everywhere.py."""
 
 PROMISING = 3.0
-"""[nats] to first order that a kind must bring somewhere for that: 20 to 1. Exercised by
-tests/validation/diagnosing/test_everywhere.py."""
+"""[nats] to first order that a kind must bring somewhere for that: 20 to 1. Exercised by test_everywhere.py."""
 
 OCTAVES = np.arange(-6.0, 4.0)
-"""[octave] Sizes at which they are asked, of what is plausible. Exercised by tests/validation/diagnosing/test_everywhere.py."""
+"""[octave] Sizes at which they are asked, of what is plausible. Exercised by test_everywhere.py."""
 
 NARROW = np.arange(-2.0, 2.5)
 """[octave] Sizes of a node beside one of which the size is known, of that size; nearer by half from step to step. Held by
-tests/validation/diagnosing/test_everywhere.py."""
+test_everywhere.py."""
 
 NEAREST = 0.125
-"""[share] of these that they come to at least: a quarter of an octave. Held by tests/validation/diagnosing/test_everywhere.py."""
+"""[share] of these that they come to at least: a quarter of an octave. Held by test_everywhere.py."""
 
 NEARER = 3
-"""[count] of sizes between those that are asked: data may tell one to a thousandth. Held by
-tests/validation/diagnosing/test_everywhere.py."""
+"""[count] of sizes between those that are asked: data may tell one to a thousandth. Held by test_everywhere.py."""
 
 STEPS = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02)
 """[share] of the structure's size by which a node is looked for about the best, over all of it first. Held by
-tests/validation/diagnosing/test_everywhere.py."""
+test_everywhere.py."""
 
 AROUND = 32
-"""[count] of nodes that are asked there. Exercised by tests/validation/diagnosing/test_everywhere.py."""
+"""[count] of nodes that are asked there. Exercised by test_everywhere.py."""
 
 ASKED = 1024
 """[count] of nodes, spread over the structure, at which twins of one are looked for: the cost of one search about a node.
-Exercised by tests/validation/diagnosing/test_everywhere.py."""
+Exercised by test_everywhere.py."""
 
 NEIGHBOURS = 9
-"""[count] of nodes, itself one, among which one with the most evidence is the top of a hill. Exercised by
-tests/validation/diagnosing/test_everywhere.py."""
+"""[count] of nodes, itself one, among which one with the most evidence is the top of a hill. Exercised by test_everywhere.py."""
 
 APART = 0.03
 """[share] of the structure's size by which these lie apart at least: closer ones say the same. Exercised by
-tests/validation/diagnosing/test_everywhere.py."""
+test_everywhere.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

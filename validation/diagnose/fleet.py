@@ -26,12 +26,10 @@ from validation.output import entry, unwritten
 from validation.study import Options, Study, is_test
 
 FALSE_ALARM = 0.01
-"""[probability] that any article of a fleet of equal ones is said to differ. Held by
-tests/validation/diagnosing/test_fleet.py."""
+"""[probability] that any article of a fleet of equal ones is said to differ. Held by test_fleet.py."""
 
 MOST_SIZES = 12
-"""[count] of effects whose sizes are asked of every article: each costs a fit of each. Exercised by
-tests/validation/diagnosing/test_fleet.py."""
+"""[count] of effects whose sizes are asked of every article: each costs a fit of each. Exercised by test_fleet.py."""
 
 TOLD_APART = 1e-6
 """[share] of a contribution that those before it do not have, below which it is rounding. By definition."""

@@ -50,26 +50,25 @@ MOST_EFFECTS = 3
 """[count] of effects of free size at once. By definition."""
 
 KEPT = 3
-"""[count] of explanations beside which others are looked for. Held by tests/validation/diagnosing/test_landmark_search.py."""
+"""[count] of explanations beside which others are looked for. Held by test_landmark_search.py."""
 
 LOOKED_AT = 12
-"""[count] of effects that are looked at beside others, those that should do most there. Held by
-tests/validation/diagnosing/test_landmark_search.py."""
+"""[count] of effects that are looked at beside others, those that should do most there. Held by test_landmark_search.py."""
 
 OF_A_FAMILY = 2
 """[count] of these whose newest effect is of one family, for where one joint yields others nearly do, too. Held by
-tests/validation/diagnosing/test_landmark_search.py."""
+test_landmark_search.py."""
 
 TRIED = 4
-"""[count] of effects that are fitted beside each of these. Held by tests/validation/diagnosing/test_landmark_search.py."""
+"""[count] of effects that are fitted beside each of these. Held by test_landmark_search.py."""
 
 ALIKE = 0.9995
 """[1] Cosine between what two effects do to the landmarks from which one is looked at for both. Held by
-tests/validation/diagnosing/test_landmark_search.py."""
+test_landmark_search.py."""
 
 MOST_ALIKE = 3
 """[count] of effects any of which explains as much: one of more is no name, and its size none of anything. Held by
-tests/validation/diagnosing/test_landmark_search.py."""
+test_landmark_search.py."""
 
 UNSEEN = 1e-6
 """[sd] of a sound model that an effect moves all landmarks by at least to be looked for. By definition."""
@@ -81,18 +80,17 @@ AWAY = 1e3
 """[sd] that stands for landmarks of a model that breaks down. By definition."""
 
 TRIALS = 12
-"""[count] of steps of the fit of an explanation. Held by tests/validation/diagnosing/test_landmark_search.py."""
+"""[count] of steps of the fit of an explanation. Held by test_landmark_search.py."""
 
 GAINS = ("force-gain", "accelerometer-gain")
 """Families that change the level of all that a sensor reads."""
 
 FAR = 2.0
 """[factor] that chi² a number must exceed for a model to be far from the data: else lines say more. Held by
-tests/validation/diagnosing/test_landmark_search.py."""
+test_landmark_search.py."""
 
 EXPLAINED = 0.5
-"""[share] of the chi² above one a number that effects must explain to be named. Held by
-tests/validation/diagnosing/test_landmark_search.py."""
+"""[share] of the chi² above one a number that effects must explain to be named. Held by test_landmark_search.py."""
 
 Progress = Callable[[str, float], None]
 

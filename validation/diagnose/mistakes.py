@@ -48,41 +48,38 @@ from validation.study import Study
 
 
 REACH = 1.5
-"""[factor] on the lowest line up to which lines are used. Held by tests/validation/diagnosing/test_mistakes.py."""
+"""[factor] on the lowest line up to which lines are used. Held by test_mistakes.py."""
 
 LINES = 4
-"""[count] of those lines. Exercised by tests/validation/diagnosing/test_mistakes.py."""
+"""[count] of those lines. Exercised by test_mistakes.py."""
 
 
 DRAWS = 400
 """[count] of sets of six channels that are tried, of the accelerometers alone and of all channels. Exercised by
-tests/validation/diagnosing/test_mistakes.py."""
+test_mistakes.py."""
 
 CONDITION = 40.0
-"""[1] Condition number of the rows of six channels beyond which they do not tell the motion. Exercised by
-tests/validation/diagnosing/test_mistakes.py."""
+"""[1] Condition number of the rows of six channels beyond which they do not tell the motion. Exercised by test_mistakes.py."""
 
 DISTANT = 0.15
-"""[share] Distance of a reading from what it should be at which it stops to count much. Held by
-tests/validation/diagnosing/test_mistakes.py."""
+"""[share] Distance of a reading from what it should be at which it stops to count much. Held by test_mistakes.py."""
 
 NEAR = 0.25
 """[share] Distance, of a gain of two thirds, within which a channel takes part in the final estimate, and a reading is what a
-mistake says. Held by tests/validation/diagnosing/test_mistakes.py."""
+mistake says. Held by test_mistakes.py."""
 
 PORTION = 100
 """[count] of sets that are worked on at once; memory only. By definition."""
 
 ROUNDS = 3
-"""[count] of times that the final estimate is repeated with the channels that are near. Exercised by
-tests/validation/diagnosing/test_mistakes.py."""
+"""[count] of times that the final estimate is repeated with the channels that are near. Exercised by test_mistakes.py."""
 
 UNHEARD = 1e6
 """[sd] How unsure a reading is, in SI, of a channel that a campaign has not. By definition."""
 
 FAINT = 0.3
 """[share] of what a channel should read over all runs that counts as its level where it should read less. Exercised by
-tests/validation/diagnosing/test_mistakes.py."""
+test_mistakes.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -216,39 +213,36 @@ def _drawn(channels: npt.NDArray[np.int64], count: int) -> npt.NDArray[np.int64]
 
 
 OFF = 0.15
-"""[share] by which readings may be off for other reasons. Held by tests/validation/diagnosing/test_mistakes.py."""
+"""[share] by which readings may be off for other reasons. Held by test_mistakes.py."""
 
 LEAST_VARIANCE = 1e-30
-"""[1] of a reading without noise held against nothing, in the square of its unit. Exercised by
-tests/validation/diagnosing/test_mistakes.py."""
+"""[1] of a reading without noise held against nothing, in the square of its unit. Exercised by test_mistakes.py."""
 
 SIGN_PENALTY = 8.0
-"""[nats] Prior penalty of a wrong sign. Exercised by tests/validation/diagnosing/test_mistakes.py."""
+"""[nats] Prior penalty of a wrong sign. Exercised by test_mistakes.py."""
 
 UNIT_PENALTY = 10.0
-"""[nats] Prior penalty of a known unit. Held by tests/validation/diagnosing/test_mistakes.py."""
+"""[nats] Prior penalty of a known unit. Held by test_mistakes.py."""
 
 FACTOR_PENALTY = 16.0
-"""[nats] Prior penalty of a factor that is no unit. Exercised by tests/validation/diagnosing/test_mistakes.py."""
+"""[nats] Prior penalty of a factor that is no unit. Exercised by test_mistakes.py."""
 
 PLUG_PENALTY = 6.0
-"""[nats] Prior penalty of a channel that reads another's plug. Exercised by tests/validation/diagnosing/test_mistakes.py."""
+"""[nats] Prior penalty of a channel that reads another's plug. Exercised by test_mistakes.py."""
 
 SURE = 20.0
 """[nats] below which a mistake is none; also what one campaign must have against a mistake of another to contradict it. Held by
-tests/validation/diagnosing/test_mistakes.py."""
+test_mistakes.py."""
 
 USUAL = 2.5
-"""[factor] Nearer to 1 than this a factor is a gain. Held by tests/validation/diagnosing/test_mistakes.py."""
+"""[factor] Nearer to 1 than this a factor is a gain. Held by test_mistakes.py."""
 
 SNAP = 0.2
-"""[log] How far the factor that fits best may lie from that of a unit to be it. Held by
-tests/validation/diagnosing/test_mistakes.py."""
+"""[log] How far the factor that fits best may lie from that of a unit to be it. Held by test_mistakes.py."""
 
 
 ROUNDING = 1e-8
-"""[share] of the largest row below which a channel hears of no motion but by rounding. Held by
-tests/validation/prediction/test_single_axis.py."""
+"""[share] of the largest row below which a channel hears of no motion but by rounding. Held by test_single_axis.py."""
 
 TINY = float(np.finfo(np.float64).tiny)
 
@@ -462,31 +456,28 @@ def _of_accelerometers(
 # places of single channels are not. Frequencies of the model are first brought to those of the test, peak by peak.
 
 WARPED = 0.15
-"""[log] Difference of two frequencies up to which their peaks are one. Held by
-tests/validation/diagnosing/test_mistakes_of_tests.py."""
+"""[log] Difference of two frequencies up to which their peaks are one. Held by test_mistakes_of_tests.py."""
 
 LEAST_PEAK = 1.0
-"""[log] Height of a peak over its surroundings, in the mean of all functions. Exercised by
-tests/validation/diagnosing/test_mistakes_of_tests.py."""
+"""[log] Height of a peak over its surroundings, in the mean of all functions. Exercised by test_mistakes_of_tests.py."""
 
 ROWS = 240
-"""[count] of lines of a test that are looked at. Exercised by tests/validation/diagnosing/test_mistakes_of_tests.py."""
+"""[count] of lines of a test that are looked at. Exercised by test_mistakes_of_tests.py."""
 
 FAR = 0.5
 """[share] Distance of a reading from what it should be from which another point is looked for. Exercised by
-tests/validation/diagnosing/test_mistakes_of_tests.py."""
+test_mistakes_of_tests.py."""
 
 INDEPENDENT = 4
 """[count] of lines of functions, or of modes, that say something of their own where a band has no more. Exercised by
-tests/validation/diagnosing/test_mistakes_of_tests.py."""
+test_mistakes_of_tests.py."""
 
 SCATTERED = 4.0
 """[factor] On the median of how far the readings of a test lie from what they should, up to which each may. Held by
-tests/validation/diagnosing/test_mistakes_of_tests.py."""
+test_mistakes_of_tests.py."""
 
 MOST_SWAPPED = 12
-"""[count] of channels up to which every exchange of two is tried by itself. Exercised by
-tests/validation/diagnosing/test_mistakes_of_tests.py."""
+"""[count] of channels up to which every exchange of two is tried by itself. Exercised by test_mistakes_of_tests.py."""
 
 FEWEST_CHANNELS = 3
 """[count] of channels below which nobody tells which of them is wrong. By definition."""

@@ -145,15 +145,14 @@ def _said(facts: Sequence[Fact], by: next_test_offers.Knowledge, names: Sequence
 
 EVALUATIONS = 12
 """[count] of evaluations that the descent may take. Set by the development draws of `make blind`, exercised by
-tests/validation/diagnosing/test_next_test.py."""
+test_next_test.py."""
 
 STIFF = 1e-12
-"""[share] Relative variance of a direction below which it does not move. Exercised by
-tests/validation/diagnosing/test_next_test.py."""
+"""[share] Relative variance of a direction below which it does not move. Exercised by test_next_test.py."""
 
 ROUGHLY = 0.5
 """[sd] that the last step may be: it leaves an eighth of a nat. Set by the development draws of `make blind`, exercised by
-tests/validation/diagnosing/test_next_test.py."""
+test_next_test.py."""
 
 
 def following(
@@ -322,18 +321,17 @@ def imagined(data: Study, of: Candidate) -> tuple[Alternative, ...]:
 
 
 DECIDED = 20.0
-"""[nats] beyond which more decide no more: then the quicker test comes first. Exercised by
-tests/validation/diagnosing/test_next_test.py."""
+"""[nats] beyond which more decide no more: then the quicker test comes first. Exercised by test_next_test.py."""
 
 NAMED_TESTS = 3
-"""[count] of tests that are named. Exercised by tests/validation/diagnosing/test_next_test.py."""
+"""[count] of tests that are named. Exercised by test_next_test.py."""
 
 FORECAST_TESTS = 6
-"""[count] of tests whose fit is forecast at most. Exercised by tests/validation/diagnosing/test_next_test.py."""
+"""[count] of tests whose fit is forecast at most. Exercised by test_next_test.py."""
 
 CERTAIN = 0.95
 """[probability] of one of two explanations from which nobody asks what the test would read by the other. Exercised by
-tests/validation/diagnosing/test_next_test.py."""
+test_next_test.py."""
 
 LOOKING = 0.6
 """[share] of the work that the forecast of the whole menu is; progress bar only. By definition."""

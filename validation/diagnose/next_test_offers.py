@@ -62,7 +62,7 @@ class Origin:
 
 
 SURE = 100.0
-"""[nats] beyond which one of two is right. Exercised by tests/validation/diagnosing/test_next_test.py."""
+"""[nats] beyond which one of two is right. Exercised by test_next_test.py."""
 
 Moved = Mapping[str, Origin]
 """By name of a parameter in the test; one that is not in it stays what it was."""
@@ -132,14 +132,13 @@ def effects_of(of: Candidate) -> tuple[Added, ...]:
 
 SPACING = 0.2
 """[Hz] between the lines at which a test is predicted: the width over which levels are smoothed. Exercised by
-tests/validation/diagnosing/test_next_test.py."""
+test_next_test.py."""
 
 LINES = 20
-"""[count] of lines at which it is compared; they stand for those that a fit would use. Exercised by
-tests/validation/diagnosing/test_next_test.py."""
+"""[count] of lines at which it is compared; they stand for those that a fit would use. Exercised by test_next_test.py."""
 
 RUNS = 6
-"""[count] of runs that a test is taken to have at most. Exercised by tests/validation/diagnosing/test_next_test.py."""
+"""[count] of runs that a test is taken to have at most. Exercised by test_next_test.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -341,7 +340,7 @@ OTHERS = (
 )
 
 TURNS = ((90.0, 2.0), (180.0, 2.0))
-"""[deg], [h] Turns about z, and the work of each. Exercised by tests/validation/diagnosing/test_next_test.py."""
+"""[deg], [h] Turns about z, and the work of each. Exercised by test_next_test.py."""
 
 
 def named(of: Template | str) -> str:
@@ -459,17 +458,16 @@ def classical(templates: Sequence[Template], there: Sequence[Fact]) -> Iterator[
 
 
 LOWEST = 2.0
-"""[Hz] that a shaker of the kind can be driven down to. Exercised by tests/validation/diagnosing/test_next_test.py."""
+"""[Hz] that a shaker of the kind can be driven down to. Exercised by test_next_test.py."""
 
 HIGHEST = 50.0
-"""[Hz] that it can be driven up to; above it a model's modes count as computed. Exercised by
-tests/validation/diagnosing/test_next_test.py."""
+"""[Hz] that it can be driven up to; above it a model's modes count as computed. Exercised by test_next_test.py."""
 
 FINER = 0.05
-"""[Hz] between lines at the low end. Exercised by tests/validation/diagnosing/test_next_test.py."""
+"""[Hz] between lines at the low end. Exercised by test_next_test.py."""
 
 HALF_LEVEL = 0.5
-"""[share] of the level of a run at which a second one is offered. Exercised by tests/validation/diagnosing/test_next_test.py."""
+"""[share] of the level of a run at which a second one is offered. Exercised by test_next_test.py."""
 
 
 # Tests of the menu in which a known mass is added to what was tested.
@@ -478,17 +476,16 @@ HALF_LEVEL = 0.5
 CORNER = "cover-1"
 
 ON_PLATE = 5.0
-"""[kg] that is put on the corner of the cover plate. Exercised by tests/validation/diagnosing/test_next_test.py."""
+"""[kg] that is put on the corner of the cover plate. Exercised by test_next_test.py."""
 
 ON_ARTICLE = 0.5
-"""[kg] that is put on a place of the article. Exercised by tests/validation/diagnosing/test_next_test.py."""
+"""[kg] that is put on a place of the article. Exercised by test_next_test.py."""
 
 HOURS = 1.0
-"""[h] that putting a mass on takes. Exercised by tests/validation/diagnosing/test_next_test.py."""
+"""[h] that putting a mass on takes. Exercised by test_next_test.py."""
 
 PLACES_OF_A_MASS = 2
-"""[count] of places of an article at which a mass is offered at most. Exercised by
-tests/validation/diagnosing/test_next_test.py."""
+"""[count] of places of an article at which a mass is offered at most. Exercised by test_next_test.py."""
 
 
 def loaded(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[OfferedTest]:
@@ -535,11 +532,10 @@ WHERE = ("accelerometer-position", "accelerometer-misalignment")
 """What it gets anew when it is moved."""
 
 INWARDS = 0.6
-"""[share] of its distance from the middle of its group to which an accelerometer is moved. Exercised by
-tests/validation/diagnosing/test_next_test.py."""
+"""[share] of its distance from the middle of its group to which an accelerometer is moved. Exercised by test_next_test.py."""
 
 PARALLEL = 0.99
-"""[1] Cosine between two directions that are the same to a hand. Exercised by tests/validation/diagnosing/test_next_test.py."""
+"""[1] Cosine between two directions that are the same to a hand. Exercised by test_next_test.py."""
 
 TILTED = ("gravity", "accelerometer-tilt", "cable")
 """Families that look like a tilt."""
@@ -622,8 +618,7 @@ CHANGED: Mapping[str, str] = MappingProxyType(
 """By family, how it is changed."""
 
 LEFT_AFTER_TORQUING = 0.5
-"""[share] of an effect that is taken to be left when bolts were torqued again. Exercised by
-tests/validation/diagnosing/test_next_test.py."""
+"""[share] of an effect that is taken to be left when bolts were torqued again. Exercised by test_next_test.py."""
 
 
 # The menu: every test that could be offered after the present data. What is in them already is not offered.

@@ -40,22 +40,20 @@ from validation.study import Study
 
 
 WEAKER = 0.9
-"""[share] of the strongest level of an axis below which a run was driven at another level. Exercised by
-tests/validation/diagnosing/test_nonlinear.py."""
+"""[share] of the strongest level of an axis below which a run was driven at another level. Exercised by test_nonlinear.py."""
 
 SAME_SHAPE = 0.99
-"""[1] Cosine from which two runs drive the same axes. Exercised by tests/validation/diagnosing/test_nonlinear.py."""
+"""[1] Cosine from which two runs drive the same axes. Exercised by test_nonlinear.py."""
 
 FLOOR = 5e-4
-"""[share] of a channel's level that no recorder repeats from one run to the next, beside its noise. Held by
-tests/validation/diagnosing/test_nonlinear.py."""
+"""[share] of a channel's level that no recorder repeats from one run to the next, beside its noise. Held by test_nonlinear.py."""
 
 SPANNED = 20.0
 """[factor] by which the weakest of six motions must stand above noise in the stronger runs for these to span them. Exercised by
-tests/validation/diagnosing/test_nonlinear.py."""
+test_nonlinear.py."""
 
 MODEL_ERROR = 0.1
-"""[share] by which a model's rows that stand in for runs may be off. Held by tests/validation/diagnosing/test_nonlinear.py."""
+"""[share] by which a model's rows that stand in for runs may be off. Held by test_nonlinear.py."""
 
 Indices = npt.NDArray[np.int64]
 
@@ -164,8 +162,7 @@ class NonlinearResidual:
 
 
 FREE = 1e-3
-"""[share] of a channel's noise below which the others do not say what it reads. Exercised by
-tests/validation/diagnosing/test_nonlinear.py."""
+"""[share] of a channel's noise below which the others do not say what it reads. Exercised by test_nonlinear.py."""
 
 
 def runs_by_level(one: SeriesPrediction) -> RunsByLevel:
@@ -218,8 +215,7 @@ def runs_by_level(one: SeriesPrediction) -> RunsByLevel:
 
 
 SILENT = 0.01
-"""[share] of what channels of its kind read at which a channel counts as silent. Exercised by
-tests/validation/diagnosing/test_nonlinear.py."""
+"""[share] of what channels of its kind read at which a channel counts as silent. Exercised by test_nonlinear.py."""
 
 
 def nonlinear_residuals(of: RunsByLevel, runs: Sequence[int] | None = None) -> tuple[NonlinearResidual, ...]:
@@ -262,15 +258,13 @@ def nonlinear_residuals(of: RunsByLevel, runs: Sequence[int] | None = None) -> t
 
 SURE = 12.0
 """[sd] of the sum over all lines from which a channel answers differently. Of 22 channels in 384 weaker runs of 32 series with
-nothing planted the worst reached 7.0: noise is an estimate that scatters, too. Held by
-tests/validation/diagnosing/test_nonlinear.py."""
+nothing planted the worst reached 7.0: noise is an estimate that scatters, too. Held by test_nonlinear.py."""
 
 VISIBLE = 2e-3
-"""[share] of what a channel reads that must differ. Exercised by tests/validation/diagnosing/test_nonlinear.py."""
+"""[share] of what a channel reads that must differ. Exercised by test_nonlinear.py."""
 
 LEAKING = 3.0
-"""[factor] by which more must differ than leaks from axes that are driven across. Held by
-tests/validation/diagnosing/test_nonlinear.py."""
+"""[factor] by which more must differ than leaks from axes that are driven across. Held by test_nonlinear.py."""
 
 
 SMOOTHED = 9
@@ -347,8 +341,7 @@ def require_levels(data: Study, what: str) -> None:
 
 
 ROUNDS = 12
-"""[count] of iterations by which an equation is undone; each leaves at most half of what was left. Held by
-tests/validation/diagnosing/test_nonlinear.py."""
+"""[count] of iterations by which an equation is undone; each leaves at most half of what was left. Held by test_nonlinear.py."""
 
 TINY = float(np.finfo(np.float64).tiny)
 
@@ -517,52 +510,45 @@ def _per_unit(one: SeriesPrediction, motion: ComplexArray) -> Array:
 
 
 LINES = 60
-"""[count] of lines of a campaign that are looked at. Exercised by tests/validation/diagnosing/test_nonlinear.py."""
+"""[count] of lines of a campaign that are looked at. Exercised by test_nonlinear.py."""
 
 WORST = 3
-"""[count] of weaker runs of a campaign that are looked at, those that differ most. Exercised by
-tests/validation/diagnosing/test_nonlinear.py."""
+"""[count] of weaker runs of a campaign that are looked at, those that differ most. Exercised by test_nonlinear.py."""
 
 SUSPECTED = 4
-"""[count] of channels that are suspected of saturation, those that differ most. Exercised by
-tests/validation/diagnosing/test_nonlinear.py."""
+"""[count] of channels that are suspected of saturation, those that differ most. Exercised by test_nonlinear.py."""
 
 PER_DECADE = 3
-"""[count] of sizes in a decade of the first grid. Exercised by tests/validation/diagnosing/test_nonlinear.py."""
+"""[count] of sizes in a decade of the first grid. Exercised by test_nonlinear.py."""
 
 SIZED_AGAIN = 4
-"""[count] of candidates, the best by first order, whose size is found once more. Exercised by
-tests/validation/diagnosing/test_nonlinear.py."""
+"""[count] of candidates, the best by first order, whose size is found once more. Exercised by test_nonlinear.py."""
 
 RESIZED_LOG = 0.7
 """[log] about the size by first order within which a size that is fitted by its logarithm is found once more. Held by
-tests/validation/diagnosing/test_nonlinear.py."""
+test_nonlinear.py."""
 
 RESIZED_SHARE = 0.3
-"""[share] of the size by first order within which another size is found once more. Exercised by
-tests/validation/diagnosing/test_nonlinear.py."""
+"""[share] of the size by first order within which another size is found once more. Exercised by test_nonlinear.py."""
 
 RESIZED_RANGE = 0.02
-"""[share] of all that the family allows, which is added to that. Exercised by tests/validation/diagnosing/test_nonlinear.py."""
+"""[share] of all that the family allows, which is added to that. Exercised by test_nonlinear.py."""
 
 SIZE_TOLERANCE = 1e-3
-"""[share] of that interval to which the size is found. Exercised by tests/validation/diagnosing/test_nonlinear.py."""
+"""[share] of that interval to which the size is found. Exercised by test_nonlinear.py."""
 
 CURVATURE_STEP = 0.02
 """[share] of that interval: the step of the second difference that gives the size its interval. Exercised by
-tests/validation/diagnosing/test_nonlinear.py."""
+test_nonlinear.py."""
 
 EXPLAINED = 0.8
-"""[share] of the surplus that a kind must explain to be the right one. Exercised by
-tests/validation/diagnosing/test_diagnosed.py."""
+"""[share] of the surplus that a kind must explain to be the right one. Exercised by test_diagnosed.py."""
 
 EQUATIONS = 0.04
-"""[share] of the size by which the equations themselves are off, one sd. Exercised by
-tests/validation/diagnosing/test_nonlinear.py."""
+"""[share] of the size by which the equations themselves are off, one sd. Exercised by test_nonlinear.py."""
 
 BY_CHANCE = 4.0
-"""[sd] of a sum of squares within which what is unexplained is noise. Exercised by
-tests/validation/diagnosing/test_nonlinear.py."""
+"""[sd] of a sum of squares within which what is unexplained is noise. Exercised by test_nonlinear.py."""
 
 
 def nonlinear(

@@ -35,13 +35,13 @@ from validation.study import Study
 NOTHING_MISSING = "Nothing is missing at this data's resolution."  # which a headline has said already
 
 NOTEWORTHY = 1e-2
-"""[probability] of a misfit below which it is said. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[probability] of a misfit below which it is said. Exercised by test_classical.py."""
 
 RARE = 1e-6
-"""[probability] of a misfit below which no figure is said. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[probability] of a misfit below which no figure is said. Exercised by test_classical.py."""
 
 FREQUENT = 0.5
-"""[probability] of a misfit above which no figure is said. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[probability] of a misfit above which no figure is said. Exercised by test_classical.py."""
 
 
 def answer(found: classical.ClassicalVerdict, facts: Sequence[diagnosis.MeasurementComparison]) -> str:
@@ -101,12 +101,11 @@ TRYING = 0.5
 """[share] of the work that is done when every effect has been tried; progress bar only. By definition."""
 
 OTHERS = 15.0
-"""[nats] behind the best within which another explanation is worth a test that excludes it. Exercised by
-tests/validation/diagnosing/test_classical.py."""
+"""[nats] behind the best within which another explanation is worth a test that excludes it. Exercised by test_classical.py."""
 
 
 STANDS_OUT = 3.0
-"""[sd] from which a measurement is named. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[sd] from which a measurement is named. Exercised by test_classical.py."""
 
 
 def only_classical(

@@ -57,7 +57,7 @@ from validation.study import Study
 
 FROM_AFAR = 0.25
 """[share] of what is plausible, or of what a straight line says, at which an effect begins that is sought from afar. Held by
-tests/validation/diagnosing/test_search.py."""
+test_search.py."""
 
 
 def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: "Progress") -> "SearchStep":
@@ -225,7 +225,7 @@ Elsewhere = Callable[[Study, Candidate, Candidate], tuple[tuple[Study, Added, fl
 
 MOVES = 4
 """[count] of times that an effect moves on a mesh before its rivals are asked, and of fits at a place without a name. Held by
-tests/validation/diagnosing/test_everywhere.py."""
+test_everywhere.py."""
 
 
 def backward_elimination(
@@ -338,29 +338,29 @@ MOST_EFFECTS = 3
 """[count] of effects that are looked for. Set by the development draws of `make blind`."""
 
 FITS_OF_A_STEP = 6
-"""[count] of candidates fitted, or nodes asked further, at most. Held by tests/validation/diagnosing/test_search.py."""
+"""[count] of candidates fitted, or nodes asked further, at most. Held by test_search.py."""
 
 FEW = 3
 """[count] of these of one kind at most: of a family, rough ones that are finished, from the priors, of rivals that no straight
-line promised, kinds at a place without a name and names held against it. Held by tests/validation/diagnosing/test_search.py."""
+line promised, kinds at a place without a name and names held against it. Held by test_search.py."""
 
 OTHERS = 2
-"""[count] of these that are kept for another kind of effect. Held by tests/validation/diagnosing/test_search.py."""
+"""[count] of these that are kept for another kind of effect. Held by test_search.py."""
 
 GOOD_PART = 0.25
 """[share] of what the best brought that a rival of it must have brought, and of what it does that may be its own beside an alias.
-Held by tests/validation/diagnosing/test_search.py."""
+Held by test_search.py."""
 
 KNOWN_PART = 0.2
 """[share] of the excess cost that an effect must explain for others to be sought beside it: one of a pair explained 0.21. Held by
-tests/validation/diagnosing/test_search.py."""
+test_search.py."""
 
 WORTH_A_FIT = 4.0
-"""[nats] that a straight line must promise for a fit. Held by tests/validation/diagnosing/test_search.py."""
+"""[nats] that a straight line must promise for a fit. Held by test_search.py."""
 
 NULL_MARGIN = 1.0
 """[nats] that it may promise less than is asked for where nothing need be missing: there a straight line is right. Held by
-tests/validation/diagnosing/test_search.py."""
+test_search.py."""
 
 SCREENING_MARGIN = 12.0
 """[nats] behind the promise of the best at which another is not fitted, once that best is all that is needed. Set by the
@@ -371,7 +371,7 @@ SCREENING_ERROR = 0.15
 
 KEPT_SHARE = 0.5
 """[share] of a promise that a fit must keep lest it restart from the priors, where no fit comes up to that promise. Held by
-tests/validation/diagnosing/test_search.py."""
+test_search.py."""
 
 
 SETTINGS: Mapping[str, object] = MappingProxyType(

@@ -16,18 +16,16 @@ from validation.estimation.screening import Products
 from validation.prediction.series import SeriesPrediction
 
 NEAR = 0.04
-"""[share] of its frequency to either side in which a resonance is looked for again. Exercised by
-tests/validation/diagnosing/test_unexplained.py."""
+"""[share] of its frequency to either side in which a resonance is looked for again. Exercised by test_unexplained.py."""
 
 STEPS = 17
-"""[count] of frequencies there. Exercised by tests/validation/diagnosing/test_unexplained.py."""
+"""[count] of frequencies there. Exercised by test_unexplained.py."""
 
 TIMES = (0.35, 0.6, 1.0, 1.7, 3.0)
-"""[factor] on its damping ratio, at each frequency. Held by tests/validation/diagnosing/test_unexplained.py."""
+"""[factor] on its damping ratio, at each frequency. Held by test_unexplained.py."""
 
 BEST = 4
-"""[count] of explanations of one kind of place and one scope that are kept. Exercised by
-tests/validation/diagnosing/test_unexplained.py."""
+"""[count] of explanations of one kind of place and one scope that are kept. Exercised by test_unexplained.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -231,16 +229,13 @@ def _size(found: Explanation) -> tuple[float | None, str]:
 
 
 HELD = 0.5
-"""[share] of what is unexplained that a channel must hold to be named. Exercised by
-tests/validation/diagnosing/test_unexplained.py."""
+"""[share] of what is unexplained that a channel must hold to be named. Exercised by test_unexplained.py."""
 
 SMOOTH = 0.4
-"""[1] Correlation of neighbouring lines above which what is unexplained is no noise. Exercised by
-tests/validation/diagnosing/test_unexplained.py."""
+"""[1] Correlation of neighbouring lines above which what is unexplained is no noise. Exercised by test_unexplained.py."""
 
 ALONE = 1e-6
-"""[share] of a channel that inputs must leave for anything to be known of it. Exercised by
-tests/validation/diagnosing/test_unexplained.py."""
+"""[share] of a channel that inputs must leave for anything to be known of it. Exercised by test_unexplained.py."""
 
 
 # What no effect explains, described: where it is and what it looks like.
@@ -252,31 +247,28 @@ tests/validation/diagnosing/test_unexplained.py."""
 
 NULL = 0.89
 """[cost/dof] Twice the cost of a fit, priors counted, per degree of freedom where nothing is missing; the model-error floor is a
-bound. Exercised by tests/validation/diagnosing/test_unexplained.py."""
+bound. Exercised by test_unexplained.py."""
 
 SURE = 0.4
-"""[share] of what is unexplained that an explanation must cover to be what it looks like. Exercised by
-tests/validation/diagnosing/test_unexplained.py."""
+"""[share] of what is unexplained that an explanation must cover to be what it looks like. Exercised by test_unexplained.py."""
 
 NEARLY = 0.95
-"""[share] of the best gain at which a plainer explanation is as good. Held by tests/validation/diagnosing/test_unexplained.py."""
+"""[share] of the best gain at which a plainer explanation is as good. Held by test_unexplained.py."""
 
 MATRIX_WEIGHT = 0.95
-"""[factor] on the gain of a whole matrix, which has many numbers. Held by tests/validation/diagnosing/test_unexplained.py."""
+"""[factor] on the gain of a whole matrix, which has many numbers. Held by test_unexplained.py."""
 
 AXIS_WEIGHT = 0.75
-"""[factor] on the gain of a whole axis, which can be many things. Exercised by
-tests/validation/diagnosing/test_unexplained.py."""
+"""[factor] on the gain of a whole axis, which can be many things. Exercised by test_unexplained.py."""
 
 ONE_DATA_SET_WEIGHT = 0.8
 """[factor] on the gain of what acts in one of several data sets alone, where shared tolerances give back what they took
-elsewhere. Exercised by tests/validation/diagnosing/test_unexplained.py."""
+elsewhere. Exercised by test_unexplained.py."""
 
 WEIGHED: Mapping[str, float] = MappingProxyType({sites.SPAN: MATRIX_WEIGHT, sites.AXIS: AXIS_WEIGHT})
 
 HARDLY = 0.02
-"""[share] of the degrees of freedom below which models that miss nothing differ by as much. Held by
-tests/validation/diagnosing/test_unexplained.py."""
+"""[share] of the degrees of freedom below which models that miss nothing differ by as much. Held by test_unexplained.py."""
 
 
 def described(candidate: Candidate) -> Leftover:

@@ -106,13 +106,13 @@ STIFFNESS, MASS, DAMPING, RESONANCE, DELAY, GAIN, TILT, NOISE, IRREGULAR = LIKEN
 """What an unexplained residual can look like."""
 
 REFERENCE = 10.0
-"""[Hz] at which shares are stated that change with frequency. Held by tests/validation/diagnosing/test_unexplained.py."""
+"""[Hz] at which shares are stated that change with frequency. Held by test_unexplained.py."""
 
 FREQUENCIES = 36
-"""[count] of frequencies of resonances over the band. Held by tests/validation/diagnosing/test_unexplained.py."""
+"""[count] of frequencies of resonances over the band. Held by test_unexplained.py."""
 
 RATIOS = (0.004, 0.015, 0.05)
-"""[1] Damping ratios of these resonances. Exercised by tests/validation/diagnosing/test_unexplained.py."""
+"""[1] Damping ratios of these resonances. Exercised by test_unexplained.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -234,7 +234,7 @@ def resonance(frequency: float, ratio: float) -> FrequencyLaw:
 
 LEAST = 1e-4
 """[share] of a column that parameters of the fit must leave; what is left of less is no straight line. Held by
-tests/validation/diagnosing/test_unexplained.py."""
+test_unexplained.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

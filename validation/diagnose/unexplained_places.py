@@ -230,11 +230,11 @@ DIRECTIONS = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "x and y": (1, 1, 
 GROUND, TABLE = "the ground", "the table"
 
 JOINTS = ((0,), (1,), (2,), (3,), (4,), (5,), (0, 1), (3, 4))
-"""[index] Axes of a joint that give alike. Exercised by tests/validation/diagnosing/test_unexplained.py."""
+"""[index] Axes of a joint that give alike. Exercised by test_unexplained.py."""
 
 GIVES = 0.02
 """[share] of its motion that a place must move beyond a rigid article for anything to pull at that. Held by
-tests/validation/diagnosing/test_unexplained.py."""
+test_unexplained.py."""
 
 PARTS = ("modulus", "loss", "damping-law", "cell-stiffness", "fmd-compliance", "frequency", "damping")
 """Families of parameters that stand for a part or a mode."""
@@ -406,7 +406,7 @@ PHYSICAL = tuple(course for course in fit.OF_PAIRS if course.stated)
 
 NAMED = 0.25
 """[share] of the leading pair, at the nominal level of the motions, from which another pair is named with it. Held by
-tests/validation/diagnosing/test_unexplained.py."""
+test_unexplained.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -11,6 +11,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from fem.structure import Beside
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen
@@ -81,7 +82,7 @@ class Matrices:
     base : 6 or 0
     mass, stiffness, viscous, structural : (k, k) symmetric, SI
     places : by name (3, k), what each coordinate moves a place along x, y, z
-    gradients : by name (3, o, 3, k), how that changes by metres along x, y, z, and by their powers; none where nobody knows
+    gradients : by name how that changes beside it; none where nobody knows
     parts : by name (k, k), the share of a part in `stiffness`
     cog : (3,) [m] of the article as drawn, from its origin
     part_mass : by name (k, k), the share of a part in `mass`; empty where it is not known
@@ -102,7 +103,7 @@ class Matrices:
     viscous: Array
     structural: Array
     places: Mapping[str, Array] = field(default_factory=lambda: NOTHING)
-    gradients: Mapping[str, Array] = field(default_factory=lambda: NOTHING)
+    gradients: Mapping[str, Beside] = field(default_factory=lambda: MappingProxyType({}))
     parts: Mapping[str, Array] = field(default_factory=lambda: NOTHING)
     cog: Array = field(default_factory=lambda: np.zeros(3))
     part_mass: Mapping[str, Array] = field(default_factory=lambda: NOTHING)
@@ -359,7 +360,9 @@ def with_resonators(stage: Matrices, place: str, axes: tuple[int, ...], values: 
         viscous=viscous,
         structural=structural,
         places={name: _grown(rows, 0, more) for name, rows in stage.places.items()},
-        gradients={name: np.pad(rows, (*3 * [(0, 0)], (0, more))) for name, rows in stage.gradients.items()},
+        gradients={
+            name: replace(one, pieces=np.pad(one.pieces, (*4 * [(0, 0)], (0, more)))) for name, one in stage.gradients.items()
+        },
         parts=each(stage.parts, square),
         part_mass=each(stage.part_mass, square),
         joints={name: replace(one, loads=_grown(one.loads, 0, more)) for name, one in stage.joints.items()},

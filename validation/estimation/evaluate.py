@@ -26,7 +26,7 @@ from validation.estimation.problem import FITTED, PLAIN, Evaluation, Fit, Lines,
 
 FLOOR = 0.005
 """[share] Relative error of a channel, beside its noise, in the weights by which latent inputs are estimated: tolerances of the
-measurement, of some 0.3 % to 1.5 %, are not fitted here. Exercised by tests/validation/engine/test_errors.py."""
+measurement, of some 0.3 % to 1.5 %, are not fitted here. Exercised by test_errors.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -123,7 +123,7 @@ Runs = Mapping[str, tuple[str, ...]]
 NOBODY: Runs = MappingProxyType({})
 
 SHORTEST = 1.0
-"""[Hz] that a block of frequencies is at least. Held by tests/validation/engine/test_hold_out.py."""
+"""[Hz] that a block of frequencies is at least. Held by test_hold_out.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -267,15 +267,13 @@ def _unknown(problem: Problem, name: str, several: Sequence[str]) -> BadInput:
 # Where it does not, the error of what is held out is told within some thousandths of itself.
 
 NEAR = 6.0
-"""[sd] as far as the data fit, to which the quadratic model is taken at its word. Exercised by
-tests/validation/engine/test_hold_out.py."""
+"""[sd] as far as the data fit, to which the quadratic model is taken at its word. Exercised by test_hold_out.py."""
 
 FEW = 8
-"""[count] of evaluations that a fold may take beyond that. Exercised by tests/validation/engine/test_hold_out.py."""
+"""[count] of evaluations that a fold may take beyond that. Exercised by test_hold_out.py."""
 
 SHORTER = 8
-"""[count] of times that a step is halved at which the model breaks down. Exercised by
-tests/validation/engine/test_hold_out.py."""
+"""[count] of times that a step is halved at which the model breaks down. Exercised by test_hold_out.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

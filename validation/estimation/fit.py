@@ -42,42 +42,38 @@ from validation.estimation.problem import (
 # The way down: stages of an annealed floor, all of them within the bounds of the parameters, and where it ended.
 
 COARSE = (0.2, 0.06)
-"""[share] Model-error floors of the stages before tolerances of the measurement are released. Held by
-tests/validation/engine/test_fit.py."""
+"""[share] Model-error floors of the stages before tolerances of the measurement are released. Held by engine/test_fit.py."""
 
 FINE = (0.02, 0.006, 0.003)
-"""[share] Model-error floors of the stages after that, before the last. Exercised by tests/validation/engine/test_fit.py."""
+"""[share] Model-error floors of the stages after that, before the last. Exercised by engine/test_fit.py."""
 
 ROUGHLY = 1.0
-"""[sd] that the last step of a stage may be which is not the last. Exercised by tests/validation/engine/test_fit.py."""
+"""[sd] that the last step of a stage may be which is not the last. Exercised by engine/test_fit.py."""
 
 STEPS = 6
-"""[count] of evaluations that such a stage takes where nothing better is known to come of it. Held by
-tests/validation/engine/test_fit.py."""
+"""[count] of evaluations that such a stage takes where nothing better is known to come of it. Held by engine/test_fit.py."""
 
 LOOKED_AT = 32
-"""[count] of draws from the priors of stiffnesses at which a baseline looks where to begin. Held by
-tests/validation/engine/test_fit.py."""
+"""[count] of draws from the priors of stiffnesses at which a baseline looks where to begin. Held by engine/test_fit.py."""
 
 STIFFNESSES = ("modulus", "support-stiffness", "thickness")
 """Families of what is declared that moves resonances by many of their widths. By definition."""
 
 BEGUN = 3
-"""[count] of the cheapest of these from which its first stage begins as well. Held by tests/validation/engine/test_fit.py."""
+"""[count] of the cheapest of these from which its first stage begins as well. Held by engine/test_fit.py."""
 
 STRIDE = 3
 """[count] Every third line is taken by such a stage, where that leaves enough: its minimum need not be sharp. Held by
-tests/validation/engine/test_fit.py."""
+engine/test_fit.py."""
 
 RESTARTS = 6
-"""[count] of times that a descent which did not end by itself begins again where it stopped. Exercised by
-tests/validation/engine/test_fit.py."""
+"""[count] of times that a descent which did not end by itself begins again where it stopped. Exercised by engine/test_fit.py."""
 
 RESTART_GAIN = 1.0
-"""[nats] that each of these must gain to go on. Exercised by tests/validation/engine/test_fit.py."""
+"""[nats] that each of these must gain to go on. Exercised by engine/test_fit.py."""
 
 ROUNDING = 1e-9
-"""[sd] from a bound that are none. Exercised by tests/validation/engine/test_fit.py."""
+"""[sd] from a bound that are none. Exercised by engine/test_fit.py."""
 
 BREAKDOWNS = (np.linalg.LinAlgError, ValueError, FloatingPointError)
 """What a prediction raises where its model breaks down."""
@@ -292,20 +288,19 @@ def descent(cost: Cost, offsets: Offsets, *, close: float = CLOSE, most: int) ->
 
 
 FLOOR = 0.0015
-"""[share] of the level of a channel: model-error floor at which fits are compared. Exercised by
-tests/validation/engine/test_fit.py."""
+"""[share] of the level of a channel: model-error floor at which fits are compared. Exercised by engine/test_fit.py."""
 
 TRIAL = 20
 """[count] of evaluations after which a trial stops, and begins once more if it still gained: most are of effects that are not
-there. Exercised by tests/validation/engine/test_fit.py."""
+there. Exercised by engine/test_fit.py."""
 
 CHILD_RESTARTS = 3
 """[count] of times that a descent of a child begins again: it has others, one of which ends lower where this one creeps along a
-valley. Exercised by tests/validation/engine/test_fit.py."""
+valley. Exercised by engine/test_fit.py."""
 
 PLAIN_FLOOR = 0.01
 """[share] The same floor where tolerances of the measurement are not fitted: what gains, delays and angles within them make of a
-prediction. Held by tests/validation/engine/test_fit.py."""
+prediction. Held by engine/test_fit.py."""
 
 
 def fit(
@@ -504,19 +499,19 @@ def _ahead(end: End) -> dict[str, float]:
 # is no step of a logarithm.
 
 SINGLE_PLACES = 41
-"""[count] of places along a single size. Exercised by tests/validation/engine/test_fit.py."""
+"""[count] of places along a single size. Exercised by engine/test_fit.py."""
 
 SEVERAL_PLACES = 9
-"""[count] of places along each of several sizes. Exercised by tests/validation/engine/test_fit.py."""
+"""[count] of places along each of several sizes. Exercised by engine/test_fit.py."""
 
 REACH = 2.0
-"""[prior sd] to either side that a grid covers. Exercised by tests/validation/engine/test_fit.py."""
+"""[prior sd] to either side that a grid covers. Exercised by engine/test_fit.py."""
 
 NEXT_TO_NOTHING = -7.0
-"""[log] Offset of a small amplitude from where it stands: a thousandth. Held by tests/validation/engine/test_fit.py."""
+"""[log] Offset of a small amplitude from where it stands: a thousandth. Held by engine/test_fit.py."""
 
 PROMISING = 5
-"""[count] of places whose true cost is looked at. Exercised by tests/validation/engine/test_fit.py."""
+"""[count] of places whose true cost is looked at. Exercised by engine/test_fit.py."""
 
 
 def start(

@@ -37,7 +37,7 @@ from validation.estimation.problem import (
 
 FEW = 24
 """[count] of parameters of several channels that go no common way up to which it is the quicker. Exercised by
-tests/validation/engine/test_likelihood.py."""
+engine/test_likelihood.py."""
 
 
 def ways(changes: Mapping[str, Change | Conveyed], names: Sequence[str], count: int) -> Ways | None:
@@ -107,7 +107,7 @@ class ObservedLines:
 
 TURNED = 0.01
 """[share] of what a channel reads that a delay within its tolerance changes by turning it, from which that is its model-error
-floor in a `plain` fit, which fits no delays. Held by tests/validation/virtual_test/test_structures.py."""
+floor in a `plain` fit, which fits no delays. Held by virtual_test/test_structures.py."""
 
 
 def observed(measured: Measured, lines: Lines, *, plain: bool = False) -> ObservedLines:
@@ -363,8 +363,7 @@ class Cost:
 
 TAIL = 3.0
 """[prior sd] from which a fault is one of those that leave next to nothing: a brace that is gone, a bolt that is loose. The
-density of a factor's logarithm and of a compliance falls there as a power, not as a normal one. Held by
-tests/validation/diagnosing/test_building.py."""
+density of a factor's logarithm and of a compliance falls there as a power, not as a normal one. Held by test_building.py."""
 
 COMPLIANCES = ("m/N", "rad/(N m)")
 
@@ -446,7 +445,7 @@ def _determinant(A: ComplexArray) -> float:
 #     e_c = (y - A u)_c / (1 - h_c),   h_c = |row c of Q|²
 
 ALONE = 1e-9
-"""[share] 1 - h of a channel below which no other tells what it does. Exercised by tests/validation/engine/test_likelihood.py."""
+"""[share] 1 - h of a channel below which no other tells what it does. Exercised by engine/test_likelihood.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

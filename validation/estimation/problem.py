@@ -35,7 +35,7 @@ TOLERANCES = (DECLARED, STRUCTURAL, SENSOR)
 """Those whose offsets have a price."""
 
 WITHIN = 2.5
-"""[tolerance] by which a plain fit may move what is declared. Exercised by tests/validation/engine/test_fit.py."""
+"""[tolerance] by which a plain fit may move what is declared. Exercised by engine/test_fit.py."""
 
 
 MODE = "mode"
@@ -236,7 +236,7 @@ class Fact(Protocol):
 ALL_LINES: Mapping[str, Lines] = MappingProxyType({})
 
 FEWEST = 20
-"""[count] of lines of a data set below which none is left out. Held by tests/validation/engine/test_errors.py."""
+"""[count] of lines of a data set below which none is left out. Held by test_errors.py."""
 
 AGREED = ("unit", "kind", "logarithmic", "tolerance", "nominal", "start", "within", "low", "high")
 """What two predictions must say alike of a parameter that they share."""
@@ -339,11 +339,11 @@ class Problem:
 # with the sweep.
 
 AT_MOST = 100
-"""[count] of lines of one data set that a fit uses. Held by tests/validation/engine/test_errors.py."""
+"""[count] of lines of one data set that a fit uses. Held by test_errors.py."""
 
 STEEPEST = 0.3
 """[share] Relative change from one line to the next beyond which steeper is no steeper: a resonance between two lines. Exercised
-by tests/validation/engine/test_errors.py."""
+by test_errors.py."""
 
 
 @lru_cache(maxsize=8)
@@ -391,7 +391,7 @@ class Share:
 
 
 BY_CHANCE = 3.0
-"""[sd] by which a sum of squares may exceed its mean by chance. Held by tests/validation/engine/test_fit.py."""
+"""[sd] by which a sum of squares may exceed its mean by chance. Held by engine/test_fit.py."""
 
 
 def by_chance(squares: float, count: int) -> bool:

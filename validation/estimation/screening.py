@@ -37,12 +37,11 @@ POWER = 0.84
 """[sd] of a size that noise takes away in one test of five: four name what the smallest size promises. By definition."""
 
 AGAIN = 20
-"""[count] of times that a size and what makes up for it are worked out by each other. Exercised by
-tests/validation/engine/test_screening.py."""
+"""[count] of times that a size and what makes up for it are worked out by each other. Exercised by test_screening.py."""
 
 KNOWN = 1e-12
 """[share] of its own square that must be left of a column beside the others for the data to tell it at all. Exercised by
-tests/validation/engine/test_screening.py."""
+test_screening.py."""
 
 
 class Smallest(Protocol):

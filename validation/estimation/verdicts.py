@@ -22,29 +22,28 @@ GOOD, DOUBTFUL, FAILED = VERDICTS = ("good", "doubtful", "failed")
 
 STANDS_OUT = 4.0
 """[sd] from which a spot is no chance: of a series within its tolerances the worst of all cells reaches about three. Held by
-tests/validation/comparing/test_maps_and_spots.py."""
+test_maps_and_spots.py."""
 
 MISFIT = 1.5
-"""[chi²/dof] from which data and model contradict each other, whatever the tolerances. Held by
-tests/validation/comparing/test_shown.py."""
+"""[chi²/dof] from which data and model contradict each other, whatever the tolerances. Held by comparing/test_shown.py."""
 
 MORE = 1.5
 """[factor] on the larger of what measurement tolerances explain and the error on fitted data, from which an error on held-out
-data is too large. Held by tests/validation/comparing/test_shown.py."""
+data is too large. Held by comparing/test_shown.py."""
 
 NOTICED = 1.05
 """[factor] on what measurement tolerances explain, from which those of the modes are worth a word. Exercised by
-tests/validation/comparing/test_maps_and_spots.py."""
+test_maps_and_spots.py."""
 
 UNLIKELY = 1e-3
 """[probability] of a sum of squares below which it is no chance: tolerances are absurd, or an explanation explains too little.
-Held by tests/validation/diagnosing/test_classical.py."""
+Held by test_classical.py."""
 
 ABSURD = 4.0
-"""[sd] of one tolerance that no careful laboratory has. Exercised by tests/validation/comparing/test_maps_and_spots.py."""
+"""[sd] of one tolerance that no careful laboratory has. Exercised by test_maps_and_spots.py."""
 
 TOLERANCES_NAMED = 5
-"""[count] of tolerances that are named. Exercised by tests/validation/comparing/test_maps_and_spots.py."""
+"""[count] of tolerances that are named. Exercised by test_maps_and_spots.py."""
 
 
 @dataclass(frozen=True, kw_only=True)

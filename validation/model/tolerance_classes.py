@@ -99,7 +99,7 @@ ROWS = tuple(
     ClassedTolerance(**{**row, "classes": tuple(row["classes"])})
     for row in toml_file.shipped("validation.model", "tolerance_classes.toml")["row"]
 )
-"""Every tolerance that a class may set. Exercised by tests/validation/models/test_tolerance_classes.py."""
+"""Every tolerance that a class may set. Exercised by test_tolerance_classes.py."""
 
 OF_LABORATORY = tuple(row for row in ROWS if row.of != "structure")
 """Those that stand in [tolerances] of a model file; the others in [structure.tolerances]."""

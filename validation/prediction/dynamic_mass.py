@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fem.structure import shifted
 from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.frames import Array, Integers, Pose, frozen, left_jacobian, rigid_transformation_6, rotation_by, skew
 from geometry.inertia import PARAMETERS, UNITS, Inertia
@@ -103,16 +102,15 @@ def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> CondensedTrans
 
 
 FAR = 2.0
-"""[1] times the highest line above which a coordinate has no resonance near the band. Held by
-tests/validation/prediction/test_matrices.py."""
+"""[1] times the highest line above which a coordinate has no resonance near the band. Held by test_matrices.py."""
 
 NODES = 16
 """[count] of frequencies at which far coordinates are solved: a resonance at `FAR` times the end of a band from zero leaves
-5.8^-16, 6e-13, of an answer. By that bound, and held by tests/validation/prediction/test_matrices.py."""
+5.8^-16, 6e-13, of an answer. By that bound, and held by test_matrices.py."""
 
 AGREES = 1e-11
 """[share] of the largest answer to which the polynomials agree at the end of the band that is nearest to the poles; where they do
-not, all coordinates are solved at every line. Held by tests/validation/prediction/test_matrices.py."""
+not, all coordinates are solved at every line. Held by test_matrices.py."""
 
 
 def far_coordinates(matrices: Matrices, at: npt.NDArray[Any]) -> tuple[Integers, ComplexArray]:
@@ -210,11 +208,11 @@ def accelerance(
 
 SAMPLED = 9
 """[count] of lines over the band at which all coordinates are solved: at every second one the others are checked. Held by
-tests/validation/prediction/test_matrices.py."""
+test_matrices.py."""
 
 SPANNED = 1e-4
 """[share] of the largest answer to a load at a line to which those between agree; what is read is stationary in them and agrees
-to its square. Held by tests/validation/prediction/test_matrices.py."""
+to its square. Held by test_matrices.py."""
 
 LEAST = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 """[share] of the largest direction below which one is left out: the first of these at which they agree. A decade is a half more
@@ -708,7 +706,7 @@ class SupportedDynamicMass:
             rows, which = of.places[place], [f"accelerometer-position:{name}:{axis}" for axis in "xyz"]
             by, told = R.T @ [offsets.get(one, 0.0) for one in which], [is_wanted(one, derivatives) for one in which]
             if place in of.gradients and (any(told) or by.any()):
-                moved, slopes = np.array([shifted(*one) for one in zip(of.gradients[place], by, strict=True)]).swapaxes(0, 1)
+                moved, slopes = np.array([of.gradients[place].shifted(*one) for one in enumerate(by)]).swapaxes(0, 1)
                 rows = rows + moved.sum(axis=0)
                 beside |= {which[i]: (k, R @ np.tensordot(R[i], slopes, axes=1) * its_own) for i in np.flatnonzero(told)}
             bent.append(R @ rows * its_own)

@@ -72,19 +72,19 @@ DENSITY, THICKNESS, SUPPORT = (FAMILIES[name].tolerance for name in ("mass", "th
 
 APART_BY_MESH = 0.25
 """[share of what a mesh is too stiff by] that is not common to all modes: 0.2 over 25 modes of three structures against CalculiX,
-see `fem.mesh.places.ENERGY_TOO_HIGH`. Held by tests/validation/prediction/test_structure_tests.py."""
+see `fem.mesh.places.ENERGY_TOO_HIGH`. Held by test_structure_tests.py."""
 
 APART_BY_SHELLS = 0.8
 """[share of what a mesh of shells may be off by] likewise: one mode is too stiff and the next too soft in 72 of three structures
-against shells of a quarter of the size, see `fem.mesh.places.OF_JUMPS`. Held by tests/validation/prediction/test_nuisances.py."""
+against shells of a quarter of the size, see `fem.mesh.places.OF_JUMPS`. Held by test_nuisances.py."""
 
 LEFT = 0.9
 """[share of the stiffness of any motion] that a mesh may be too stiff by in a fit, however far off the model is. Held by
-tests/validation/prediction/test_nuisances.py."""
+test_nuisances.py."""
 
 TURNED = 1e-3
 """[share of one mode's shape in another's] that a mesh may leave unsure unsaid: where the other hardly moves, its resonance
-raises it fiftyfold. Held by tests/validation/prediction/test_structure_tests.py."""
+raises it fiftyfold. Held by test_structure_tests.py."""
 
 SOFTEST = 1e-9
 """[share of the stiffest coordinate's stiffness] below which one moves without strain. By definition."""
@@ -96,15 +96,15 @@ tolerance. By definition."""
 
 BODY = 1.0
 """Standard deviation of the mass of a body as a fault, a share: a box with its cables and contents may weigh twice what a drawing
-says of it, where a density hardly differs. Exercised by tests/validation/prediction/test_any_structure.py."""
+says of it, where a density hardly differs. Exercised by test_any_structure.py."""
 
 UNCHANGED = 0.1
 """Share of its tolerances that an article may have changed by between two tests: 0.25 % of a modulus is what 5 K do to steel.
-Exercised by tests/validation/prediction/test_modal_table.py."""
+Exercised by test_modal_table.py."""
 
 TOGETHER = 1 / 3
 """Greatest distance of two frequencies, as a share of the higher one, at which two modes may lose together where no base drives.
-Held by tests/validation/diagnosing/test_diagnosed.py."""
+Held by test_diagnosed.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -31,15 +31,14 @@ from validation.prediction.structure_tests import StructurePrediction
 # Proc. 14th IMAC, 1996). Each landmark has the deviation that a sound model may have there, beside that of what was measured.
 
 SOUND_FREQUENCY = 0.01
-"""[share] that a frequency of a sound model may be off, beside its tolerances. Held by
-tests/validation/prediction/test_landmarks.py."""
+"""[share] that a frequency of a sound model may be off, beside its tolerances. Held by test_landmarks.py."""
 
 SOUND_LEVEL = 0.15
-"""[log] that the level of a sound model may be off beside the axis. Held by tests/validation/prediction/test_landmarks.py."""
+"""[log] that the level of a sound model may be off beside the axis. Held by test_landmarks.py."""
 
 WIDTH = 0.05
 """[1] real over imaginary part of s at which levels are compared: peaks as broad as those of a damping ratio of that much more.
-Held by tests/validation/prediction/test_landmarks.py."""
+Held by test_landmarks.py."""
 
 PER_OCTAVE = 6
 """[count] of levels in an octave: one in two of each `WIDTH` to either side. By definition."""
@@ -48,7 +47,7 @@ LEAST_SHARE = 0.02
 """[share] of the level of a run, squared, below which a channel is not compared there. By definition."""
 
 SILENT = 1 / 3
-"""[share] of a level that noise may be for it to be compared. Held by tests/validation/prediction/test_landmarks.py."""
+"""[share] of a level that noise may be for it to be compared. Held by test_landmarks.py."""
 
 TABLE_GAIN = 10.0
 """[share] that stands for a gain of which nothing is known. By definition."""

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from fem.structure import shifted
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import AXES, Point, Tolerances
@@ -134,8 +133,7 @@ def rows(
         elif family.endswith("-position"):
             if point.place not in matrices.gradients:
                 continue
-            ways = d @ matrices.gradients[point.place]["xyz".index(word)]
-            moved, change = shifted(ways, by)
+            moved, change = (d @ one for one in matrices.gradients[point.place].shifted("xyz".index(word), by))
             values[k] += moved - by * change
         elif family == "wrong-direction":
             change = along(matrices, point.place, np.asarray(AXES[word]) - d)

@@ -45,18 +45,17 @@ POWERS = {"acceleration": 0, "velocity": 1, "displacement": 2}
 """Of 1 / (i omega) by quantity."""
 
 AXIS = 2.5
-"""[1 / block] by which the axis is moved for a leakage: what lies a block beyond has e^-5 of its size. Held by
-tests/validation/prediction/test_points.py."""
+"""[1 / block] by which the axis is moved for a leakage: what lies a block beyond has e^-5 of its size. Held by test_points.py."""
 
 RESOLVED = 4.0
 """[count] of lines from which the width of a peak at half power is resolved; as many as a Hann window is wide."""
 
 HALF_LINES = 8
-"""[count] of half lines to either side that a Hann window smears. Held by tests/validation/prediction/test_points.py."""
+"""[count] of half lines to either side that a Hann window smears. Held by test_points.py."""
 
 ENOUGH = 12
 """[count] of averages from which the coherence of a line tells its noise; of fewer, lines beside it help. Held by
-tests/validation/prediction/test_points.py."""
+test_points.py."""
 
 SCALE = "scale"
 """Family of the parameter that stands for the one factor that readings without calibration share."""
@@ -67,7 +66,7 @@ LOCAL = "local-compliance"
 
 POINT = 5.0
 """[compliance that the jumps of strains tell] A force on one node of a solid gives way as its elements are small, without end; a
-hammer's tip or a stud has an area. Held by tests/validation/prediction/test_response_functions.py."""
+hammer's tip or a stud has an area. Held by test_response_functions.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -565,7 +564,7 @@ def of(structure: Nuisances, data: ResponseFunctions, tolerances: Tolerances = p
 
 UPSIDE_DOWN = -0.5
 """[1] Correlation of the logarithms of what is read and predicted, about their means over the lines, below which one is the
-inverse of the other. Held by tests/validation/test_odd_studies.py."""
+inverse of the other. Held by test_odd_studies.py."""
 
 
 def _same(one: Point, other: Point) -> bool:
@@ -574,7 +573,7 @@ def _same(one: Point, other: Point) -> bool:
 
 SCATTERS = 0.8
 """[lines] A noise that few lines tell scatters, and chi² with its inverse: too large by this over their number, as a share. Held
-by tests/validation/prediction/test_response_functions.py."""
+by test_response_functions.py."""
 
 
 def measured(

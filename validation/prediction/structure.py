@@ -231,8 +231,7 @@ def _on_shapes(
 
 WHOLE = 1e9
 """[B] that shares of parts on all coordinates may take, an eighth of what a structure of 300,000 degrees of freedom may; larger
-ones are made of what the mesh has of a part whenever they are asked for. Held by
-tests/validation/prediction/test_any_structure.py."""
+ones are made of what the mesh has of a part whenever they are asked for. Held by test_any_structure.py."""
 
 
 def _held(shares: Mapping[str, Kept], count: int) -> Mapping[str, Kept]:
@@ -305,38 +304,37 @@ LEFT_OUT = 1e-3
 """Share of the change that a pull makes, by energy, that may lie outside the basis."""
 
 ORTHOGONAL = 1e-3
-"""[1] Cosine beyond which a coordinate is not outside others. Held by tests/validation/diagnosing/test_blind_structures.py."""
+"""[1] Cosine beyond which a coordinate is not outside others. Held by test_blind_structures.py."""
 
 FAR = (-0.6, 2.0)
-"""Relative changes of a density to which the basis is made. Held by tests/validation/prediction/test_any_structure.py."""
+"""Relative changes of a density to which the basis is made. Held by test_any_structure.py."""
 
 FAR_MODULUS = (-0.97, *FAR)
-"""Those of a modulus, which may fall to next to nothing. Held by tests/validation/prediction/test_part_nearly_gone.py."""
+"""Those of a modulus, which may fall to next to nothing. Held by test_part_nearly_gone.py."""
 
 FAR_THICKNESS = (-0.4, 0.6)
-"""Those of a thickness. Held by tests/validation/prediction/test_any_structure.py."""
+"""Those of a thickness. Held by test_any_structure.py."""
 
 FAR_SUPPORT = (-0.95, 20.0)
-"""Those of a support's stiffness. Held by tests/validation/prediction/test_any_structure.py."""
+"""Those of a support's stiffness. Held by test_any_structure.py."""
 
 ROUNDS = 3
-"""[count] of times that what the modes leave over is answered, of each of these changes. Held by
-tests/validation/prediction/test_any_structure.py."""
+"""[count] of times that what the modes leave over is answered, of each of these changes. Held by test_any_structure.py."""
 
 SLIGHT = 0.03
 """Share of the largest change of a squared frequency below which that of a mode is not measured by itself. Held by
-tests/validation/prediction/test_any_structure.py."""
+test_any_structure.py."""
 
 SURE = 1.5
 """[factor] by which what is left over is taken for more than it is, for K^-1 is not that of the changed structure. Held by
-tests/validation/prediction/test_any_structure.py."""
+test_any_structure.py."""
 
 FAINT = 1e-3
 """Share of a mode's energy below which a part is not measured by its own share."""
 
 SOFTER = 0.1
 """[share] of a part's stiffness by which its change must be right in what places give, not in what modes do alone. Held by
-tests/validation/diagnosing/test_blind_structures.py."""
+test_blind_structures.py."""
 
 FEW_SPRINGS = 24
 """Up to so many springs are pulled one by one."""

@@ -238,8 +238,7 @@ COMMON = 3
 """[count] of points that test and model must have in common for their frames to be compared."""
 
 APART = 0.02
-"""[share] of the size of what is common by which points may lie apart. Held by
-tests/validation/prediction/test_structure_tests.py."""
+"""[share] of the size of what is common by which points may lie apart. Held by test_structure_tests.py."""
 
 
 def aligned(structure: Structure, test: Test) -> Test:

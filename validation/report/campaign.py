@@ -254,7 +254,7 @@ def write_dynamic_mass(path: Path, campaign: Campaign) -> None:
 
 
 MOST_PLACES = 6
-"""Places of a test that one line names. Held by tests/validation/test_check_command.py."""
+"""Places of a test that one line names. Held by test_check_command.py."""
 
 
 def _where(test: "ResponseFunctions | ModalTable") -> str:

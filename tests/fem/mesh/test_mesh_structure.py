@@ -1,6 +1,7 @@
 """What a description adds to a mesh (parts, sections, places, supports, joints, links, masses), each by its closed form."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from scipy.sparse.linalg import spsolve
 from benchmarks.read_meshes import STEEL, abaqus, bricks, plate
 from fem.mesh import description, model
 from fem.modes import fixed_base, floating_shift, lowest
-from fem.structure import Structure, hold, rows_beside
+from fem.structure import Structure, gradients, hold, place_rows, rows_beside
 from fem.user_model.examine import lossless
 from geometry.errors import BadInput
 from geometry.frames import skew
@@ -105,7 +106,9 @@ def test_slopes_of_a_point_are_those_of_the_element_that_holds_it(meshed: Meshed
     structure = meshed(mesh, parts, more=joint)
     assert structure.elements is not None
     for at in ([0.4, 0.1, 0.1], [0.13, 0.05, 0.1], [0.2, 0.0, 0.04]):
-        slopes = structure.elements.slopes(np.array(at))
+        placed = replace(structure, places={"here": place_rows(structure, np.array(at))[0]})
+        beside = gradients(placed, ["here"], np.eye(len(structure.rigid)))["here"]
+        slopes = np.array([beside.shifted(axis, 0.0)[1] for axis in range(3)])
         turning = [np.cross(np.eye(3)[axis], np.eye(3)) for axis in range(3)]  # (along, moved) about each axis
         for axis, wanted in enumerate(turning):
             assert_allclose(slopes @ structure.rigid[:, 3 + axis], wanted, atol=1e-8)

@@ -154,7 +154,7 @@ CAPTION = 104
 """Pixels above a tile for number, frequency and words."""
 
 LETTERS = 22
-"""[pixel] of a sheet of `COLUMNS`, which is 182 mm wide on paper: 7 pt there. Held by tests/validation/test_mode_pictures.py."""
+"""[pixel] of a sheet of `COLUMNS`, which is 182 mm wide on paper: 7 pt there. Held by test_mode_pictures.py."""
 
 MEANS = "displacement over its largest"
 """What the colours of a mode are."""
