@@ -82,6 +82,10 @@ AWAY = 1e3
 TRIALS = 12
 """[count] of steps of the fit of an explanation. Held by test_landmark_search.py."""
 
+SETTLED = 1e-4
+"""[share] of what an explanation leaves, and of its sizes, by which a step of its fit must change it for another: a few thousandths
+of a nat. Exercised by test_landmark_search.py."""
+
 GAINS = ("force-gain", "accelerometer-gain")
 """Families that change the level of all that a sensor reads."""
 
@@ -227,7 +231,8 @@ class DistantView:
         start = np.clip(np.array([one.start for one in free]) / scale, low, high)
         inside = np.clip(start, low + 1e-6 * np.minimum(high - low, 1.0), high - 1e-6 * np.minimum(high - low, 1.0))
         size = np.maximum(np.abs(start), 0.1)
-        found = least_squares(left, inside, bounds=(low, high), x_scale=size, max_nfev=TRIALS, jac=slope)
+        steps = {"max_nfev": TRIALS, "ftol": SETTLED, "xtol": SETTLED}
+        found = least_squares(left, inside, bounds=(low, high), x_scale=size, jac=slope, **steps)
         J, r = found.jac[: -len(free)], found.fun[: -len(free)]
         return LandmarkFit(effects=at_offsets(effects, free, found.x * scale), sizes=found.x, residual=r, curvature=J.T @ J)
 
