@@ -56,19 +56,16 @@ LOOKED_AT = 12
 """[count] of effects that are looked at beside others, those that should do most there. Held by test_landmark_search.py."""
 
 OF_A_FAMILY = 2
-"""[count] of these whose newest effect is of one family, for where one joint yields others nearly do, too. Held by
-test_landmark_search.py."""
+"""[count] of these whose newest effect is of one family: joints yield for one another. Held by test_landmark_search.py."""
 
 TRIED = 4
 """[count] of effects that are fitted beside each of these. Held by test_landmark_search.py."""
 
 ALIKE = 0.9995
-"""[1] Cosine between what two effects do to the landmarks from which one is looked at for both. Held by
-test_landmark_search.py."""
+"""[1] Cosine between what two effects do to landmarks from which one is looked at for both. Held by test_landmark_search.py."""
 
 MOST_ALIKE = 3
-"""[count] of effects any of which explains as much: one of more is no name, and its size none of anything. Held by
-test_landmark_search.py."""
+"""[count] of effects any of which explains as much: one of more is no name, nor its size one. Held by test_landmark_search.py."""
 
 UNSEEN = 1e-6
 """[sd] of a sound model that an effect moves all landmarks by at least to be looked for. By definition."""
@@ -83,15 +80,13 @@ TRIALS = 12
 """[count] of steps of the fit of an explanation. Held by test_landmark_search.py."""
 
 SETTLED = 1e-4
-"""[share] of what an explanation leaves, and of its sizes, by which a step of its fit must change it for another: a few thousandths
-of a nat. Exercised by test_landmark_search.py."""
+"""[share] of what an explanation leaves, or of its sizes, that a step of a fit changes. Exercised by test_landmark_search.py."""
 
 GAINS = ("force-gain", "accelerometer-gain")
 """Families that change the level of all that a sensor reads."""
 
 FAR = 2.0
-"""[factor] that chi² a number must exceed for a model to be far from the data: else lines say more. Held by
-test_landmark_search.py."""
+"""[factor] on chi² a number of a model near the data, beyond which it is far. Held by test_landmark_search.py."""
 
 EXPLAINED = 0.5
 """[share] of the chi² above one a number that effects must explain to be named. Held by test_landmark_search.py."""
@@ -231,8 +226,8 @@ class DistantView:
         start = np.clip(np.array([one.start for one in free]) / scale, low, high)
         inside = np.clip(start, low + 1e-6 * np.minimum(high - low, 1.0), high - 1e-6 * np.minimum(high - low, 1.0))
         size = np.maximum(np.abs(start), 0.1)
-        steps = {"max_nfev": TRIALS, "ftol": SETTLED, "xtol": SETTLED}
-        found = least_squares(left, inside, bounds=(low, high), x_scale=size, jac=slope, **steps)
+        ends = {"max_nfev": TRIALS, "ftol": SETTLED, "xtol": SETTLED}
+        found = least_squares(left, inside, bounds=(low, high), x_scale=size, jac=slope, **ends)
         J, r = found.jac[: -len(free)], found.fun[: -len(free)]
         return LandmarkFit(effects=at_offsets(effects, free, found.x * scale), sizes=found.x, residual=r, curvature=J.T @ J)
 
@@ -252,10 +247,9 @@ class DistantView:
         return np.asarray(np.sum((at.residual + self.moved(one)[1]) ** 2, axis=1))
 
     def scanned(self, at: LandmarkFit, one: Added) -> tuple[float, Added]:
-        """chi² and size of `one` beside the effects of `at` where it is least: of that where it should be, and of the next."""
-        there, guess = self.moved(one)[0], self.guessed(at, one)
-        k = int(np.argmin(guess))
-        near = there[max(k - 1, 0) : k + 2] if at.effects else there[k : k + 1]
+        """chi² and size of `one` beside the effects of `at` where it is least: of the two where it should be."""
+        there, order = self.moved(one)[0], np.argsort(self.guessed(at, one))
+        near = [there[k] for k in order[: 2 if at.effects else 1]]
         return min(((float(np.sum(self.residual((*at.effects, one)) ** 2)), one) for one in near), key=lambda each: each[0])
 
     def looked(self, at: LandmarkFit, menu: Sequence[Added], most: int) -> list[Added]:

@@ -330,8 +330,7 @@ FORECAST_TESTS = 6
 """[count] of tests whose fit is forecast at most. Exercised by test_next_test.py."""
 
 CERTAIN = 0.95
-"""[probability] of one of two explanations from which nobody asks what the test would read by the other. Exercised by
-test_next_test.py."""
+"""[probability] of one of two explanations from which nobody asks what the other reads. Exercised by test_next_test.py."""
 
 LOOKING = 0.6
 """[share] of the work that the forecast of the whole menu is; progress bar only. By definition."""

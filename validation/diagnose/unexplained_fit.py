@@ -233,8 +233,7 @@ def resonance(frequency: float, ratio: float) -> FrequencyLaw:
 
 
 LEAST = 1e-4
-"""[share] of a column that parameters of the fit must leave; what is left of less is no straight line. Held by
-test_unexplained.py."""
+"""[share] of a column that parameters of the fit must leave; less is no straight line. Held by test_unexplained.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

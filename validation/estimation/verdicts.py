@@ -21,8 +21,7 @@ from validation.output import derived, entry, percent, two_digits
 GOOD, DOUBTFUL, FAILED = VERDICTS = ("good", "doubtful", "failed")
 
 STANDS_OUT = 4.0
-"""[sd] from which a spot is no chance: of a series within its tolerances the worst of all cells reaches about three. Held by
-test_maps_and_spots.py."""
+"""[sd] from which a spot is no chance: the worst cell of a sound series reaches about three. Held by test_maps_and_spots.py."""
 
 MISFIT = 1.5
 """[chi²/dof] from which data and model contradict each other, whatever the tolerances. Held by comparing/test_shown.py."""
@@ -32,8 +31,7 @@ MORE = 1.5
 data is too large. Held by comparing/test_shown.py."""
 
 NOTICED = 1.05
-"""[factor] on what measurement tolerances explain, from which those of the modes are worth a word. Exercised by
-test_maps_and_spots.py."""
+"""[factor] on what measurement tolerances explain, from which those of modes are told. Exercised by test_maps_and_spots.py."""
 
 UNLIKELY = 1e-3
 """[probability] of a sum of squares below which it is no chance: tolerances are absurd, or an explanation explains too little.

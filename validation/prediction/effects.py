@@ -34,6 +34,7 @@ from validation.prediction.tangents import (
     crossed,
     of_arrays,
     plus,
+    scaled,
 )
 
 # What a model declares to know of a structure only within tolerances: moduli, frequencies, damping, participation, coupling.
@@ -79,8 +80,7 @@ APART_BY_SHELLS = 0.8
 against shells of a quarter of the size, see `fem.mesh.places.OF_JUMPS`. Held by test_nuisances.py."""
 
 LEFT = 0.9
-"""[share of the stiffness of any motion] that a mesh may be too stiff by in a fit, however far off the model is. Held by
-test_nuisances.py."""
+"""[share of the stiffness of any motion] that a mesh may be too stiff by in a fit at most. Held by test_nuisances.py."""
 
 TURNED = 1e-3
 """[share of one mode's shape in another's] that a mesh may leave unsure unsaid: where the other hardly moves, its resonance
@@ -306,7 +306,7 @@ class Nuisances:
                 mass += (np.exp(thicker) * (1 + denser) - 1) * m.part_mass[part]
         for body in m.bodies:
             mass += offsets.get(f"mass:{body}", 0.0) * m.part_mass[body]
-        stiffness = E[:, None] * K * E
+        stiffness = scaled(K, E)
         for r, s in self.mixed:
             mixed = offsets.get(f"mixing:{name}:{r + 1}:{s + 1}", 0.0) * self.between(r, s) * E[b + r] * E[b + s]
             stiffness[b + r, b + s] += mixed
@@ -315,12 +315,12 @@ class Nuisances:
         old, new = np.diag(m.stiffness), np.diag(stiffness)
         # Rigid motions of what floats have but rounding there, of either sign
         GD = D * np.divide(new, old, out=np.ones_like(old), where=(old > 0) & (new > 0)) ** 0.25
-        C = GD[:, None] * m.viscous * GD
+        C = scaled(m.viscous, GD)
         for r, a in np.ndindex(len(self.frequency), b):
             if more := offsets.get(f"participation:{name}:{r + 1}:{MOTIONS[a]}", 0.0) * self.largest(r, a):
                 mass[a, b + r] += more
                 mass[b + r, a] += more
-        S = (D * E)[:, None] * S * (D * E)
+        S = scaled(S, D * E)
         structural, viscous = self.coupling(offsets)
         losses = {part: eta * (1 + offsets.get(f"loss:{part}", 0.0)) for part, eta in self.losses.items()}
         S_all, C_all = S + structural, C + viscous
@@ -463,12 +463,11 @@ class _Now:
 
     def _stiffer(self, part: str, K: Array, mass: Array | None = None) -> Tangent:
         """The tangent of a share of `part` in the stiffness that grows by `K` (k, k), and of one in the mass by `mass`."""
-        E, DE = self.E, self.D * self.E
-        stiffness, whole, drawn = E[:, None] * K * E, np.diag(self.matrices.stiffness), np.diag(self.of.nominal.stiffness)
+        stiffness, whole, drawn = scaled(K, self.E), np.diag(self.matrices.stiffness), np.diag(self.of.nominal.stiffness)
         grows = np.divide(np.diag(stiffness), 4 * whole, out=np.zeros_like(whole), where=(whole > 0) & (drawn > 0))
         changes = {"stiffness": stiffness}
         if (eta := self.matrices.losses.get(part, 0.0)) > 0:
-            changes["structural"] = (eta * DE)[:, None] * K * DE
+            changes["structural"] = eta * scaled(K, self.D * self.E)
         if self.uncoupled.any():
             changes["viscous"] = self.uncoupled * (grows[:, None] + grows)
         if mass is not None:
@@ -477,7 +476,7 @@ class _Now:
 
     def _of_loss(self, part: str) -> Tangent:
         DE, eta = self.D * self.E, self.of.losses[part]
-        lost = of_arrays(len(DE), structural=eta * DE[:, None] * self.matrices.parts[part] * DE)
+        lost = of_arrays(len(DE), structural=eta * scaled(self.matrices.parts[part], DE))
         return replace(lost, losses={part: eta})
 
     def _of_frequency(self, configuration: str, mode: str) -> Tangent:

@@ -107,7 +107,7 @@ class RealModes:
     def damping_ratio(self, mode: int) -> float:
         """[1] of one mode, by the energy that it loses."""
         omega, phi = np.sqrt(self.squares[mode]), self.shapes[:, mode]
-        return float(phi @ (omega * self.matrices.viscous + self.matrices.structural) @ phi / (2 * omega**2))
+        return float(phi @ (omega * (self.matrices.viscous @ phi) + self.matrices.structural @ phi) / (2 * omega**2))
 
     def changed(self, of: Sequence[int], by: Tangent) -> "Moved":
         """How the modes `of` answer to one parameter."""

@@ -54,8 +54,7 @@ HALF_LINES = 8
 """[count] of half lines to either side that a Hann window smears. Held by test_points.py."""
 
 ENOUGH = 12
-"""[count] of averages from which the coherence of a line tells its noise; of fewer, lines beside it help. Held by
-test_points.py."""
+"""[count] of averages from which the coherence of a line tells its noise; below, its neighbours help. Held by test_points.py."""
 
 SCALE = "scale"
 """Family of the parameter that stands for the one factor that readings without calibration share."""

@@ -322,19 +322,16 @@ ROUNDS = 3
 """[count] of times that what the modes leave over is answered, of each of these changes. Held by test_any_structure.py."""
 
 SLIGHT = 0.03
-"""Share of the largest change of a squared frequency below which that of a mode is not measured by itself. Held by
-test_any_structure.py."""
+"""Share of the largest change of a squared frequency below which a mode's is not measured. Held by test_any_structure.py."""
 
 SURE = 1.5
-"""[factor] by which what is left over is taken for more than it is, for K^-1 is not that of the changed structure. Held by
-test_any_structure.py."""
+"""[factor] on what is left over, for K^-1 is not that of the changed structure. Held by test_any_structure.py."""
 
 FAINT = 1e-3
 """Share of a mode's energy below which a part is not measured by its own share."""
 
 SOFTER = 0.1
-"""[share] of a part's stiffness by which its change must be right in what places give, not in what modes do alone. Held by
-test_blind_structures.py."""
+"""[share] of a part's stiffness by which its change must be right in what places give. Held by test_blind_structures.py."""
 
 FEW_SPRINGS = 24
 """Up to so many springs are pulled one by one."""

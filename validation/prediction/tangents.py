@@ -96,6 +96,11 @@ def plus(one: Tangent, other: Tangent, size: int) -> Tangent:
     return replace(of_arrays(size, other.parts, **whole), lossier=one.lossier, losses=one.losses)
 
 
+def scaled(matrix: Array, by: Array) -> Array:
+    """(k, k) `matrix` with rows and columns times `by` (k,); itself where that is 1 everywhere."""
+    return matrix if np.all(by == 1.0) else np.asarray(by[:, None] * matrix * by)
+
+
 def full(tangent: Tangent, name: str, size: int) -> Array:
     """The field `name` of `tangent` on all coordinates, (size, size)."""
     whole = np.zeros((size, size))
