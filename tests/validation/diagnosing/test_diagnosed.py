@@ -206,13 +206,17 @@ def test_amplitudes_as_good_as_each_other_are_a_class_and_one_that_explains_litt
 
 
 @pytest.mark.proof
-def test_a_mass_that_turns_modes_of_another_program_is_named_alone(tmp_path, answer, monkeypatch):
-    """Each of its modes loses by itself, with the mass on it: two sloshes of 14 and 8 g stood beside it for what that couples."""
-    from benchmarks import foreign_tests
+@pytest.mark.parametrize(
+    ("fault", "named", "size"), [("mass", "point-mass:t2", 0.4), ("beside", "accelerometer-position:t3-y:x", -0.06)]
+)
+def test_what_another_program_has_in_its_structure_or_test_is_named_alone(fault, named, size, tmp_path, answer, monkeypatch):
+    """Each of its modes loses by itself, with the mass on it: two sloshes of 14 and 8 g stood beside it for what that couples. A
+    pick-up 60 mm beside its place was unknown while it went straight on beyond 10 mm."""
+    from benchmarks.foreign_tests import __main__ as foreign_tests
 
-    (case,) = (one for one in foreign_tests.cases() if one[0] == "storeys-functions-mass")
+    (case,) = (one for one in foreign_tests.cases() if one[0] == f"storeys-functions-{fault}")
     foreign_tests.written(tmp_path / "case", case)
     monkeypatch.chdir(tmp_path / "case")
-    (mass,) = answer("diagnose", "own.toml")["accepted"]
-    assert mass["id"] == "point-mass:t2"
-    assert mass["value"] == pytest.approx(0.4, rel=0.03)
+    (found,) = answer("diagnose", "own.toml")["accepted"]
+    assert found["id"] == named
+    assert found["value"] == pytest.approx(size, rel=0.03)
