@@ -45,12 +45,13 @@ class Storey:
     hinged: bool = False
 
 
-def geometric(structure: Structure, storeys: Mapping[str, Storey], *, vertical: int = 2) -> dict[str, Sparse]:
+def geometric(structure: Structure, storeys: Mapping[str, Storey], vertical: int = 2, source: str = "") -> dict[str, Sparse]:
     """Geometric stiffness (n, n) of `storeys`, by the part of the structure that each is, under standard gravity.
 
     Parameters
     ----------
     vertical : 0, 1 or 2, the axis along which gravity acts
+    source : the file whose `fe_model.storeys` they are, for messages
 
     Raises
     ------
@@ -61,15 +62,21 @@ def geometric(structure: Structure, storeys: Mapping[str, Storey], *, vertical: 
     made = {}
     lateral = [axis for axis in range(3) if axis != vertical]
     for part, storey in storeys.items():
+        field = f"fe_model.storeys.{part}"
         if part not in structure.part_stiffness:
-            raise _wrong(part, "no part of this name", f"Known are {', '.join(structure.part_stiffness)}")
+            known = ", ".join(structure.part_stiffness) or "none: write stiffness/NAME"
+            raise BadInput(source, field, "there is no part of this name", f"Parts are {known}")
         for place in (storey.below, storey.above):
             if place not in (GROUND, *structure.places):
-                raise _wrong(part, f"no place is called {place!r}", f"Known are {', '.join((GROUND, *structure.places))}")
+                remedy = f"Places are {', '.join((GROUND, *structure.places))}"
+                raise BadInput(source, field, f"no place is called {place!r}", remedy)
         if not np.isfinite(storey.height) or storey.height == 0:
-            remedy = "State it, negative where it hangs"
-            raise _wrong(part, f"a height that is not 0 is needed, found {storey.height:g} m", remedy)
-        weight = carried(structure, part, lateral[0]) if storey.weight is None else storey.weight
+            problem = f"a height that is not 0 is needed, found {storey.height:g} m"
+            raise BadInput(source, field, problem, "State it, negative where it hangs")
+        weight = storey.weight
+        if weight is None and not (weight := carried(structure, part, lateral[0])):
+            problem = "what it carries is carried by other parts, too, or nothing is said of how it moves"
+            raise BadInput(source, field, problem, 'State it: weight = "20 N"')
         leans = sum(
             sign * csr_array(structure.places[place])[lateral]
             for place, sign in ((storey.above, 1.0), (storey.below, -1.0))
@@ -81,12 +88,8 @@ def geometric(structure: Structure, storeys: Mapping[str, Storey], *, vertical: 
 
 
 def carried(structure: Structure, part: str, axis: int = 0) -> float:
-    """Weight [N] of all that nothing but `part` keeps from drifting along `axis`.
-
-    Raises
-    ------
-    BadInput : something else keeps it, too, or the model does not say what moves along that axis: the weight must be stated.
-    """
+    """Weight [N] of all that nothing but `part` keeps from drifting along `axis`; 0 where something else does, too, or the model
+    does not say what moves along that axis."""
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import connected_components
 
@@ -103,11 +106,4 @@ def carried(structure: Structure, part: str, axis: int = 0) -> float:
         work = np.abs(moved) @ (abs(left) @ np.abs(moved))
         if np.any(moved) and abs(moved @ (left @ moved)) <= FLOATING * max(work, 0.0):
             mass += float(moved @ (structure.mass @ moved))
-    if mass <= 0:
-        remedy = "State the weight"
-        raise _wrong(part, "what it carries is carried by other parts, too, or nothing is said of how it moves", remedy)
-    return STANDARD_GRAVITY * mass
-
-
-def _wrong(part: str, problem: str, remedy: str) -> BadInput:
-    return BadInput("gravity", part, problem, remedy)
+    return STANDARD_GRAVITY * max(mass, 0.0)

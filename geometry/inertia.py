@@ -343,12 +343,12 @@ def of_motions(table: ChannelTable, groups: Sequence[str]) -> Observability:
     return _judged(channels, motion_rows(channels, table.origin), MOTIONS, _lever(table, channels), lost=())
 
 
-def of_resultants(table: ChannelTable, groups: Sequence[str] = ("fmd",)) -> Observability:
-    """The six resultants about the reference point from the force and moment channels of `groups`.
+def of_resultants(table: ChannelTable) -> Observability:
+    """The six resultants about the reference point from the force and moment channels of the FMD.
 
     What a summation box adds up off one line of action is lost, too, and is named.
     """
-    channels = _chosen(table, groups, ("force", "moment"))
+    channels = _chosen(table, ("fmd",), ("force", "moment"))
     lever = _lever(table, channels)
     # Resultants that depend on how the cells of one channel share its reading
     if not channels:

@@ -225,7 +225,7 @@ def from_pinocchio(body: PinocchioInertia) -> Inertia:
     return Inertia(parameters=np.asarray(body.toDynamicParameters())[FROM_PINOCCHIO])
 
 
-def log_cholesky(inertia: Inertia, source: str = "inertia") -> Array:
+def log_cholesky(inertia: Inertia) -> Array:
     """Ten coordinates without constraint, alpha, d1, d2, d3, s12, s23, s13, t1, t2, t3, about the frame's origin.
 
     The pseudo-inertia is U U^T with the upper triangle U = exp(alpha) [[exp(d1), s12, s13, t1], [0, exp(d2), s23, t2],
@@ -239,7 +239,7 @@ def log_cholesky(inertia: Inertia, source: str = "inertia") -> Array:
     verdict = judge(inertia)
     if verdict.kind is not Kind.BODY:
         problem = f"log-Cholesky coordinates need a body with volume: {verdict.text}"
-        raise BadInput(source, "inertia", problem, "Give the ideal body a finite size")
+        raise BadInput("inertia", "inertia", problem, "Give the ideal body a finite size")
     J = inertia.about(np.zeros(3)).pseudo_inertia
     U = np.linalg.cholesky(J[::-1, ::-1])[::-1, ::-1]
     V = U / U[3, 3]

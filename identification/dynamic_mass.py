@@ -8,7 +8,7 @@ With more than six runs the same is solved by least squares, each run with its w
 condition of S_u (`identification.base_motion`).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -47,7 +47,6 @@ def from_runs(
     frequency: npt.ArrayLike,
     reference_point: npt.ArrayLike = (0.0, 0.0, 0.0),
     *,
-    levels: Mapping[str, float] = LEVELS,
     weights: npt.ArrayLike | None = None,
 ) -> Estimate:
     """H from the spectra of six runs or more (Eqs. 9 to 11; least squares of all runs at each line).
@@ -58,7 +57,6 @@ def from_runs(
     motion : (r, n, 6) spectra of the base acceleration about the same point
     frequency : (n,) lines [Hz]
     reference_point : (3,) [m]
-    levels : nominal acceleration of each axis, by which it is scaled for condition and solution
     weights : (r,) or (r, n) one over the standard deviation of the loads of a run, in any unit; all alike by default
 
     Raises
@@ -73,7 +71,7 @@ def from_runs(
         raise _refused("load", f"spectra of six loads and six motions at {len(lines)} lines are needed, {found}")
     if len(F) < 6:
         raise _refused("runs", f"six linearly independent base motions take at least six runs, found {len(F)}")
-    scale = np.array([levels[axis] for axis in MOTIONS])
+    scale = np.array([LEVELS[axis] for axis in MOTIONS])
     excited = DrivenMotions.of_runs(U / scale, lines)
     excited.require_told_apart()
     shape = F.shape[:2]

@@ -45,7 +45,7 @@ Targets are those of what is tested. A part, place, support or joint of the buil
 [structure of your own](own-model.md) are the names that its file gives. `mass` needs the share of each part in the mass,
 `thickness` a shell or beam, `support-stiffness` a spring to the ground, `connection-compliance` a joint between two parts
 (`joint-compliance` is that of an article on its base), `gravity-stiffness` the geometric stiffness: arrays `geometric/PART` of
-another code under 1 g, or storeys between two places with their height (`fem.gravity`). Its size is a factor on gravity: 1
+another code under 1 g, or `[fe_model.storeys]` between two places with their height. Its size is a factor on gravity: 1
 where the weights are right.
 
 """

@@ -33,7 +33,7 @@ _KEYS = (*_DATA_KEYS, *parts.KEYS)
 """Where they are looked for when it is not set."""
 
 MATRICES = ("stiffness", "mass", "viscous", "structural")
-PART_MATRICES = ("stiffness", "mass", "membrane", "bending")
+PART_MATRICES = ("stiffness", "mass", "membrane", "bending", "geometric")
 """What a part may have of its own, as ``stiffness/NAME`` and so on."""
 
 

@@ -5,6 +5,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from fem import gravity
 from fem.structure import Sparse, Structure, nearest_node, place_rows, rigid_motion
 from fem.user_model.description import TABLE, Contents, Description
 from fem.user_model.parts import GROUND, StatedJoint, StatedPlace, require_name
@@ -242,7 +243,7 @@ def with_places(structure: Structure, dofs: DofMap, contents: Contents, descript
     Raises
     ------
     BadInput : a node or row that is not there, a point outside of the structure, a joint of places that are not there, that do
-        not turn, or that lie apart.
+        not turn, or that lie apart, a storey of what is not there.
     """
     from scipy.sparse import csr_array, vstack
 
@@ -291,7 +292,11 @@ def with_places(structure: Structure, dofs: DofMap, contents: Contents, descript
         joints=tuple(joints),
         places=MappingProxyType({name: motion.rows[:3] for name, motion in motions.items()}),
     )
-    return found, said
+    leaning = gravity.geometric(found, description.named.storeys, description.named.vertical, description.source)
+    if twice := sorted(leaning.keys() & structure.geometric.keys()):
+        problem = f"the matrices have geometric/{twice[0]}, too"
+        raise BadInput(description.source, f"{TABLE}.storeys.{twice[0]}", problem, "Leave one of the two out")
+    return replace(found, geometric=MappingProxyType({**structure.geometric, **leaning})), said
 
 
 def _of_rows(rows: tuple[int, ...], n: int) -> Motion:

@@ -81,7 +81,7 @@ def asymmetry(A: Sparse, masses: Array) -> tuple[float, int, int]:
 OPTIONAL = (
     *("viscous", "structural", "dof", "nodes", "coordinates", "interface"),
     *("rigid", "basic", "held", "points", "translations", "rotations", "measured_dof", "places"),
-    *("membrane", "bending"),
+    *("membrane", "bending", "geometric"),
 )
 
 ADDS_UP = 1e-6
@@ -123,28 +123,29 @@ def structure(contents: Contents, description: Description) -> tuple[Structure, 
     M = _converted(whole_M, scale, u.energy * u.time**2)
     K = _symmetric(contents, "stiffness", _converted(whole_K, scale, u.energy), dofs, M.diagonal())
     M = _symmetric(contents, "mass", M, dofs, M.diagonal())
-    for name, share in parts.items():
-        parts[name] = _symmetric(contents, f"stiffness/{name}", _converted(share, scale, u.energy), dofs, M.diagonal())
-    for name, share in masses.items():
-        share = _converted(share, scale, u.energy * u.time**2)
-        masses[name] = _symmetric(contents, f"mass/{name}", share, dofs, M.diagonal())
+
+    def own(name: str, A: Sparse, energy: float = u.energy) -> Sparse:
+        """A share `A` [user's units] of the matrix `name` in SI."""
+        return _symmetric(contents, name, _converted(A, scale, energy), dofs, M.diagonal())
+
+    parts = {name: own(f"stiffness/{name}", share) for name, share in parts.items()}
+    masses = {name: own(f"mass/{name}", share, u.energy * u.time**2) for name, share in masses.items()}
     if parts:
         K = _require_sum(contents, "stiffness", K, parts, dofs)
     if masses:
         M = _require_sum(contents, "mass", M, masses, dofs)
+    for kind in ("membrane", "bending", "geometric"):
+        for part in contents.shares(kind):
+            if part not in parts:
+                remedy = toml_file.nearest(part, parts) + f"Write stiffness/{part}"
+                raise contents.refused(f"{kind}/{part}", "is of a part that is not there", remedy)
     # Of shells and beams, what grows with the thickness and with its cube: together the part
     sections = {}
     for part in dict.fromkeys((*contents.shares("membrane"), *contents.shares("bending"))):
-        if part not in parts:
-            problem = "is a section of a part that is not there"
-            remedy = toml_file.nearest(part, parts) + f"Write stiffness/{part}"
-            raise contents.refused(f"bending/{part}", problem, remedy)
-        two = {}
-        for name in (f"membrane/{part}", f"bending/{part}"):
-            share = _converted(_sized(contents, name, M.shape[0]), dofs.scale, u.energy)
-            two[name] = _symmetric(contents, name, share, dofs, M.diagonal())
+        two = {name: own(name, _sized(contents, name, n)) for name in (f"membrane/{part}", f"bending/{part}")}
         _require_sum(contents, f"stiffness/{part}", parts[part], two, dofs)
         sections[part] = (two[f"membrane/{part}"], two[f"bending/{part}"])
+    weighed = {part: own(f"geometric/{part}", _sized(contents, f"geometric/{part}", n)) for part in contents.shares("geometric")}
     _require_parts(description, parts, masses, sections)
     found = Structure(
         stiffness=K,
@@ -158,6 +159,7 @@ def structure(contents: Contents, description: Description) -> tuple[Structure, 
         part_stiffness=MappingProxyType(parts),
         part_mass=MappingProxyType(masses),
         sections=MappingProxyType(sections),
+        geometric=MappingProxyType(weighed),
         grounded=description.named.support == "ground",
         part_tolerances=MappingProxyType(
             {name: part.tolerance for name, part in description.named.parts.items() if part.tolerance}

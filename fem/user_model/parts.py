@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from fem.gravity import Storey
 from fem.user_model.units import UnitSystem, measured
 from geometry import article, toml_file, user_article
 from geometry.dynamic_mass import MOTIONS
@@ -98,6 +99,7 @@ class Named:
     support : one of `SUPPORTS`
     parts, places, joints : by name
     supports : parts of the matrices that are springs to the ground
+    storeys : by the part that each is, what stands or hangs under gravity, which acts along axis `vertical`
     """
 
     support: str = "base"
@@ -105,9 +107,11 @@ class Named:
     places: Mapping[str, StatedPlace] = field(default_factory=lambda: MappingProxyType({}))
     joints: Mapping[str, StatedJoint] = field(default_factory=lambda: MappingProxyType({}))
     supports: tuple[str, ...] = ()
+    storeys: Mapping[str, Storey] = field(default_factory=lambda: MappingProxyType({}))
+    vertical: int = 2
 
 
-KEYS = ("support", "parts", "places", "joints", "supports")
+KEYS = ("support", "parts", "places", "joints", "supports", "storeys", "down")
 
 
 def named(model: Mapping[str, Any], units: UnitSystem, source: str, where: str) -> Named:
@@ -119,7 +123,7 @@ def named(model: Mapping[str, Any], units: UnitSystem, source: str, where: str) 
     """
     support = toml_file.one_of(model.get("support", "base"), SUPPORTS, source=source, where=f"{where}.support")
     tables = {}
-    for key in ("parts", "places", "joints"):
+    for key in ("parts", "places", "joints", "storeys"):
         tables[key] = toml_file.require_table(model.get(key, {}), source=source, where=f"{where}.{key}")
         for name in tables[key]:
             require_name(name, source, f"{where}.{key}")
@@ -129,12 +133,16 @@ def named(model: Mapping[str, Any], units: UnitSystem, source: str, where: str) 
     for name in supports:
         if supports.count(name) > 1:
             raise BadInput(source, f"{where}.supports", f"names {name!r} {supports.count(name)} times", "Name every support once")
+    down = model.get("down", "-z")
+    axis = down.removeprefix("-") if isinstance(down, str) else down
     return Named(
         support=support,
         parts={name: _part(entry, units, source, f"{where}.parts.{name}") for name, entry in tables["parts"].items()},
         places={name: _place(entry, units, source, f"{where}.places.{name}") for name, entry in tables["places"].items()},
         joints={name: _joint(entry, units, source, f"{where}.joints.{name}") for name, entry in tables["joints"].items()},
         supports=tuple(supports),
+        storeys={name: _storey(entry, units, source, f"{where}.storeys.{name}") for name, entry in tables["storeys"].items()},
+        vertical=MOTIONS.index(toml_file.one_of(axis, MOTIONS[:3], source=source, where=f"{where}.down")),
     )
 
 
@@ -239,6 +247,20 @@ def _joint(entry: Any, units: UnitSystem, source: str, where: str) -> StatedJoin
     stiffness = six_stiffnesses(table["stiffness"], units, source, f"{where}.stiffness") if "stiffness" in table else None
     tolerance = _share(table["tolerance"], source, f"{where}.tolerance") if "tolerance" in table else None
     return StatedJoint(between=tuple(between), at=at, stiffness=stiffness, tolerance=tolerance)
+
+
+def _storey(entry: Any, units: UnitSystem, source: str, where: str) -> Storey:
+    table = toml_file.require_table(entry, source=source, where=where)
+    toml_file.require_known(table, ("below", "above", "height", "weight", "hinged"), source=source, where=where)
+    needed = ("above", "height") if units.known else ("above", "height", "weight")  # in units not known gravity is none
+    toml_file.require_present(table, needed, source=source, where=where)
+    ends = tuple(table.get(key, GROUND) for key in ("below", "above"))
+    if not all(isinstance(end, str) for end in ends) or not isinstance(table.get("hinged", False), bool):
+        remedy = 'Write it like { below = "floor-1", above = "floor-2", height = "3 m", hinged = false }'
+        raise toml_file.wrong(dict(table), "names of two places, and true or false", source, where, remedy)
+    height = measured(table["height"], "length", units, source, f"{where}.height")
+    weight = _positive(table["weight"], "force", units, source, f"{where}.weight") if "weight" in table else None
+    return Storey(below=ends[0], above=ends[1], height=height, weight=weight, hinged=table.get("hinged", False))
 
 
 def six_stiffnesses(values: Any, units: UnitSystem, source: str, where: str) -> Array:

@@ -116,10 +116,10 @@ class BandStudy:
         products = [np.sqrt(moments[i] * moments[j]) for i, j in ((0, 1), (0, 2), (1, 2))]
         return np.array([inertia.mass, *3 * [inertia.mass * radius], *moments, *products])
 
-    def spread(self, *, rigid: bool = False, limit: float = LIMIT) -> Array:
+    def spread(self, *, rigid: bool = False) -> Array:
         """(10,) how far nine of ten cells stay within of the result, for `rigid` half the range of the rigid way.
 
-        Only cells count that explain their data and know the parameter to half of `limit`; nan where they are too few.
+        Only cells count that explain their data and know the parameter to half of `LIMIT`; nan where they are too few.
         """
         if rigid:
             return np.asarray(np.ptp([cell.parameters for cell in self.cells if cell.count == 0], axis=0) / 2)
@@ -127,18 +127,13 @@ class BandStudy:
         if not counted:
             return np.full(10, np.nan)
         away = np.array([np.abs(cell.parameters - self.fitted.parameters) for cell in counted])
-        telling = np.array([cell.deviation <= limit / 2 * self.scale for cell in counted])
+        telling = np.array([cell.deviation <= LIMIT / 2 * self.scale for cell in counted])
         enough = telling.sum(axis=0) >= FEWEST
         return np.array([np.quantile(away[telling[:, k], k], 0.9) if enough[k] else np.nan for k in range(10)])
 
-    def verdicts(self, *, rigid: bool = False, limit: float = LIMIT) -> Mapping[str, str]:
-        """In words, by parameter; `rigid` judges the way without elastic terms.
-
-        Parameters
-        ----------
-        limit : spread in the scale of a parameter up to which it is trusted
-        """
-        shares = self.spread(rigid=rigid, limit=limit) / self.scale
+    def verdicts(self, *, rigid: bool = False) -> Mapping[str, str]:
+        """In words, by parameter; `rigid` judges the way without elastic terms."""
+        shares = self.spread(rigid=rigid) / self.scale
         made = {}
         for name, share in zip(PARAMETERS, shares, strict=True):
             moved_by = float(share)
@@ -146,7 +141,7 @@ class BandStudy:
                 made[name] = "not identifiable from this data: too few bands explain it; record a wider band, or with less noise"
             else:
                 moved = f"{100 * moved_by:.2g} % of its scale over the bands" + ("" if rigid else " and numbers of poles")
-                if moved_by <= limit:
+                if moved_by <= LIMIT:
                     made[name] = f"trustworthy: it moves by {moved}"
                 else:
                     add = "take the elastic terms" if rigid else "record lower frequencies, or take weighing and pendulum as data"

@@ -213,8 +213,7 @@ def restarted_from_priors(data: Study, at: Candidate, added: Added | None = None
 
 
 SAME_NATS = 0.05
-"""[nats] within which two fits are one: they end a tenth of a standard deviation from their minimum, which is 0.005. Held by
-test_search.py."""
+"""[nats] within which two fits are one: they end a tenth of a deviation, 0.005, from their minimum. Held by test_search.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -343,8 +343,7 @@ def answering(
 
 
 DISAGREE = 4.0
-"""[sd] from which two measurements of one quantity, or one and the campaigns, contradict each other. Exercised by
-test_classical.py."""
+"""[sd] from which two measurements of a quantity, or one and campaigns, contradict each other. Exercised by test_classical.py."""
 
 MASS = "mass"
 

@@ -264,8 +264,7 @@ class LevelDifference:
 
 
 NARROWED = 0.5
-"""[share] of what was admitted of a tolerance to which data must narrow it for it to be known better. Held by
-test_known_better.py."""
+"""[share] of what was admitted of a tolerance to which data narrow what is known better. Held by test_known_better.py."""
 
 SIGNIFICANT = 2.0
 """[sd] from no effect, or from nominal, at which something is one. Exercised by test_diagnosed.py."""

@@ -91,8 +91,7 @@ NEARER = 3
 """[count] of sizes between those that are asked: data may tell one to a thousandth. Held by test_everywhere.py."""
 
 STEPS = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02)
-"""[share] of the structure's size by which a node is looked for about the best, over all of it first. Held by
-test_everywhere.py."""
+"""[share] of the structure's size about the best in which a node is looked for, first in all. Held by test_everywhere.py."""
 
 AROUND = 32
 """[count] of nodes that are asked there. Exercised by test_everywhere.py."""
@@ -105,8 +104,7 @@ NEIGHBOURS = 9
 """[count] of nodes, itself one, among which one with the most evidence is the top of a hill. Exercised by test_everywhere.py."""
 
 APART = 0.03
-"""[share] of the structure's size by which these lie apart at least: closer ones say the same. Exercised by
-test_everywhere.py."""
+"""[share] of the structure's size by which these lie apart: closer ones say the same. Exercised by test_everywhere.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -55,8 +55,7 @@ LINES = 4
 
 
 DRAWS = 400
-"""[count] of sets of six channels that are tried, of the accelerometers alone and of all channels. Exercised by
-test_mistakes.py."""
+"""[count] of sets of six channels that are tried, of accelerometers alone and of all. Exercised by test_mistakes.py."""
 
 CONDITION = 40.0
 """[1] Condition number of the rows of six channels beyond which they do not tell the motion. Exercised by test_mistakes.py."""
@@ -465,8 +464,7 @@ ROWS = 240
 """[count] of lines of a test that are looked at. Exercised by test_mistakes_of_tests.py."""
 
 FAR = 0.5
-"""[share] Distance of a reading from what it should be from which another point is looked for. Exercised by
-test_mistakes_of_tests.py."""
+"""[share] Distance of a reading from its due from which another point is sought. Exercised by test_mistakes_of_tests.py."""
 
 INDEPENDENT = 4
 """[count] of lines of functions, or of modes, that say something of their own where a band has no more. Exercised by

@@ -144,15 +144,13 @@ def _said(facts: Sequence[Fact], by: next_test_offers.Knowledge, names: Sequence
 
 
 EVALUATIONS = 12
-"""[count] of evaluations that the descent may take. Set by the development draws of `make blind`, exercised by
-test_next_test.py."""
+"""[count] of evaluations that the descent may take. Set by draws of `make blind`, exercised by test_next_test.py."""
 
 STIFF = 1e-12
 """[share] Relative variance of a direction below which it does not move. Exercised by test_next_test.py."""
 
 ROUGHLY = 0.5
-"""[sd] that the last step may be: it leaves an eighth of a nat. Set by the development draws of `make blind`, exercised by
-test_next_test.py."""
+"""[sd] that the last step may be: it leaves an eighth of a nat. Set by draws of `make blind`, exercised by test_next_test.py."""
 
 
 def following(

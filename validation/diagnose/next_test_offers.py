@@ -131,8 +131,7 @@ def effects_of(of: Candidate) -> tuple[Added, ...]:
 
 
 SPACING = 0.2
-"""[Hz] between the lines at which a test is predicted: the width over which levels are smoothed. Exercised by
-test_next_test.py."""
+"""[Hz] between the lines at which a test is predicted: levels are smoothed over it. Exercised by test_next_test.py."""
 
 LINES = 20
 """[count] of lines at which it is compared; they stand for those that a fit would use. Exercised by test_next_test.py."""

@@ -538,8 +538,7 @@ SIZE_TOLERANCE = 1e-3
 """[share] of that interval to which the size is found. Exercised by test_nonlinear.py."""
 
 CURVATURE_STEP = 0.02
-"""[share] of that interval: the step of the second difference that gives the size its interval. Exercised by
-test_nonlinear.py."""
+"""[share] of that interval: step of the second difference that gives the size its own. Exercised by test_nonlinear.py."""
 
 EXPLAINED = 0.8
 """[share] of the surplus that a kind must explain to be the right one. Exercised by test_diagnosed.py."""

@@ -56,8 +56,7 @@ from validation.prediction.landmarks import Landmark
 from validation.study import Study
 
 FROM_AFAR = 0.25
-"""[share] of what is plausible, or of what a straight line says, at which an effect begins that is sought from afar. Held by
-test_search.py."""
+"""[share] of the plausible, or of what a straight line says, at which a search from afar begins. Held by test_search.py."""
 
 
 def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: "Progress") -> "SearchStep":
@@ -224,8 +223,7 @@ Elsewhere = Callable[[Study, Candidate, Candidate], tuple[tuple[Study, Added, fl
 
 
 MOVES = 4
-"""[count] of times that an effect moves on a mesh before its rivals are asked, and of fits at a place without a name. Held by
-test_everywhere.py."""
+"""[count] of moves of an effect on a mesh before rivals are asked, and of fits at a node alone. Held by test_everywhere.py."""
 
 
 def backward_elimination(
@@ -352,8 +350,7 @@ GOOD_PART = 0.25
 Held by test_search.py."""
 
 KNOWN_PART = 0.2
-"""[share] of the excess cost that an effect must explain for others to be sought beside it: one of a pair explained 0.21. Held by
-test_search.py."""
+"""[share] of the excess cost that what is built upon must explain: one of a pair explained 0.21. Held by test_search.py."""
 
 WORTH_A_FIT = 4.0
 """[nats] that a straight line must promise for a fit. Held by test_search.py."""

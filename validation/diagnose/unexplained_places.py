@@ -233,8 +233,7 @@ JOINTS = ((0,), (1,), (2,), (3,), (4,), (5,), (0, 1), (3, 4))
 """[index] Axes of a joint that give alike. Exercised by test_unexplained.py."""
 
 GIVES = 0.02
-"""[share] of its motion that a place must move beyond a rigid article for anything to pull at that. Held by
-test_unexplained.py."""
+"""[share] of its motion that a place moves beyond a rigid article where anything pulls at it. Held by test_unexplained.py."""
 
 PARTS = ("modulus", "loss", "damping-law", "cell-stiffness", "fmd-compliance", "frequency", "damping")
 """Families of parameters that stand for a part or a mode."""

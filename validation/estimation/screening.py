@@ -40,8 +40,7 @@ AGAIN = 20
 """[count] of times that a size and what makes up for it are worked out by each other. Exercised by test_screening.py."""
 
 KNOWN = 1e-12
-"""[share] of its own square that must be left of a column beside the others for the data to tell it at all. Exercised by
-test_screening.py."""
+"""[share] of its square that must be left of a column beside others for data to tell it. Exercised by test_screening.py."""
 
 
 class Smallest(Protocol):

@@ -207,8 +207,7 @@ def accelerance(
 
 
 SAMPLED = 9
-"""[count] of lines over the band at which all coordinates are solved: at every second one the others are checked. Held by
-test_matrices.py."""
+"""[count] of lines over the band at which all coordinates are solved, at half to check the others. Held by test_matrices.py."""
 
 SPANNED = 1e-4
 """[share] of the largest answer to a load at a line to which those between agree; what is read is stationary in them and agrees

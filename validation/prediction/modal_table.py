@@ -636,8 +636,7 @@ TAKEN_FOR_HERTZ = {"rad/s": 2 * np.pi, "cycles per minute": 60.0, "kHz": 1e-3}
 """What one hertz is in units that are taken for it."""
 
 ONE_UNIT = 0.1
-"""[log] Scatter of what frequencies are in that of a model, and how far its mean may lie from a unit, to be in that unit. Held by
-test_modal_table.py."""
+"""[log] Scatter of frequencies in those of a model, and of its mean, to be in a unit. Held by test_modal_table.py."""
 
 
 def _require_hertz(table: ModalTable, f: Array) -> None:

@@ -95,6 +95,33 @@ STATED: dict[str, tuple[str, str, tuple[str, ...]]] = {
         ("membrane/left",),
     ),
     "loss factor": (BASE + "[fe_model.parts.left]\nloss_factor = 3\n", "fe_model.parts.left.loss_factor", ("below 2",)),
+    "storey of nothing": (
+        BASE + '[fe_model.storeys.lefft]\nabove = "top"\nheight = "1 m"\n',
+        "fe_model.storeys.lefft",
+        ("no part", "left, right"),
+    ),
+    "storey on nothing": (
+        BASE + '[fe_model.storeys.left]\nbelow = "cellar"\nabove = "ground"\nheight = "1 m"\n',
+        "fe_model.storeys.left",
+        ("no place is called 'cellar'",),
+    ),
+    "storey without height": (BASE + '[fe_model.storeys.left]\nabove = "ground"\n', "fe_model.storeys.left.height", ("missing",)),
+    "storey of no height": (
+        BASE + '[fe_model.storeys.left]\nabove = "ground"\nheight = "0 m"\n',
+        "fe_model.storeys.left",
+        ("not 0", "negative where it hangs"),
+    ),
+    "storey with a mass for its weight": (
+        BASE + '[fe_model.storeys.left]\nabove = "ground"\nheight = "1 m"\nweight = "3 kg"\n',
+        "fe_model.storeys.left.weight",
+        ("mass", "force"),
+    ),
+    "storey that is hinged by name": (
+        BASE + '[fe_model.storeys.left]\nabove = "ground"\nheight = "1 m"\nhinged = "yes"\n',
+        "fe_model.storeys.left",
+        ("true or false",),
+    ),
+    "down nowhere": (BASE + 'down = "w"\n', "fe_model.down", ("x", "z")),
     "name of the ground": (BASE + "[fe_model.parts.ground]\n", "fe_model.parts", ("something else",)),
     "name with a colon": (BASE + '[fe_model.places]\n"a:b" = 101\n', "fe_model.places", ("'a:b'", "letters")),
     "node nowhere": (BASE + "[fe_model.places]\nfoot = 7\n", "fe_model.places.foot", ("node 7", "101, 102")),
@@ -199,6 +226,7 @@ SPOILT: dict[str, tuple[Callable[[Arrays], Any], str, tuple[str, ...]]] = {
     "part of nothing": (lambda a: a.update({"stiffness/left": np.full((60, 60), np.nan)}), "stiffness/left", ("not finite",)),
     "part unsymmetric": (lambda a: a.update({"stiffness/left": np.triu(a["stiffness/left"])}), "stiffness", ("not symmetric",)),
     "part of letters": (lambda a: a.update({"stiffness/a b": a["stiffness/left"]}), "stiffness", ("'a b'",)),
+    "weight on nothing": (lambda a: a.update({"geometric/top": a["stiffness/left"]}), "geometric/top", ("not there",)),
     "section of nothing": (lambda a: a.update({"bending/top": a["stiffness/left"]}), "bending/top", ("not there",)),
     "half a section": (lambda a: a.update({"bending/left": a["stiffness/left"]}), "membrane/left", ("missing",)),
     "section off": (

@@ -19,6 +19,7 @@ from fem.structure import Structure, place_rows
 from fem.user_model import reading
 from geometry.errors import BadInput
 from geometry.frames import rigid_transformation
+from geometry.toml_file import STANDARD_GRAVITY
 
 Arrays = dict[str, np.ndarray]
 Saved = Callable[..., Path]
@@ -199,6 +200,40 @@ def test_a_thickness_is_what_its_shares_say(parted: Arrays, saved: Saved) -> Non
     membrane, bending = found.sections["arm"]
     thicker = 1.1 * membrane + 1.1**3 * bending - found.part_stiffness["arm"]
     assert_allclose(thicker.toarray(), (0.025 + 0.75 * 0.331) * found.part_stiffness["arm"].toarray(), rtol=1e-9, atol=1e-3)
+
+
+STOREYS = """format = 1
+[fe_model]
+name = "tower"
+kind = "matrices"
+units = "m-kg-N-s"
+support = "ground"
+down = "-z"
+[fe_model.places]
+floor-1 = { dof = [0, -1, -1] }
+floor-2 = { dof = [1, -1, -1] }
+"""
+
+
+@pytest.fixture
+def tower() -> Arrays:
+    """Two floors of 2 and 3 kg on walls of 4 and 5 kN/m."""
+    walls = {"stiffness/lower": np.diag([4e3, 0.0]), "stiffness/upper": 5e3 * np.array([[1.0, -1.0], [-1.0, 1.0]])}
+    return walls | {"mass": np.diag([2.0, 3.0])}
+
+
+def test_storeys_of_matrices_lean_under_what_stands_on_them(tower: Arrays, saved: Saved, tmp_path: Path) -> None:
+    """Stated or weighed, or the array of another code: clamped columns of height h under W push with 6/5 W / h."""
+    heights = 'lower = { above = "floor-1", height = "0.2 m", weight = "49.03325 N" }\n'
+    heights += 'upper = { below = "floor-1", above = "floor-2", height = "300 mm", weight = "29.41995 N", hinged = true }\n'
+    found = reading.read(saved(tower, f"{STOREYS}[fe_model.storeys]\n{heights}"))
+    g, one = STANDARD_GRAVITY, np.array([[1.0, -1.0], [-1.0, 1.0]])
+    assert_allclose(found.geometric["lower"].toarray(), np.diag([-1.2 * 5 * g / 0.2, 0.0]), rtol=1e-9)
+    assert_allclose(found.geometric["upper"].toarray(), -3 * g / 0.3 * one, rtol=1e-9)
+    reading.write(found, tmp_path / "written.npz")
+    again = reading.read(tmp_path / "written.npz")
+    for name, share in found.geometric.items():
+        assert_allclose(again.geometric[name].toarray(), share.toarray(), rtol=1e-12)
 
 
 # --- places -----------------------------------------------------------------------------------------------------------------

@@ -585,8 +585,9 @@ def test_a_weight_that_two_columns_share_must_be_stated() -> None:
     tower = storeys(np.full(2, 2.0), np.full(2, 4e3))
     brace = csr_array(np.diag([0.0, 1e3]))
     both = replace(tower, stiffness=tower.stiffness + brace, part_stiffness={**tower.part_stiffness, "brace": brace})
+    storey = gravity.Storey(below="floor-1", above="floor-2", height=0.2)
     with pytest.raises(BadInput, match="carried by other parts"):
-        gravity.carried(both, "storey-2")
+        gravity.geometric(both, {"storey-2": storey})
 
 
 @pytest.mark.proof  # counts what a long structure asks for

@@ -97,11 +97,9 @@ def overlay(
     return dressed(figure, title, 470, dark, legend=legend_above(), margin={"t": TITLE_ROOM + room}, **how)
 
 
-def diagonal(
-    pairs: Pairs, *, modes: Sequence[NamedMode] = (), further: Mapping[str, ComplexArray] = NONE, dark: bool = False
-) -> Figure:
+def diagonal(pairs: Pairs, *, modes: Sequence[NamedMode] = (), dark: bool = False) -> Figure:
     """The six entries of the diagonal, as `overlay` draws each: translations on the left, rotations on the right."""
-    panels = [(f"{entry(k, k)}: {LOADS[k]} by {MOTIONS[k]}", entry_of(pairs, k, k, modes, further)) for k in range(6)]
+    panels = [(f"{entry(k, k)}: {LOADS[k]} by {MOTIONS[k]}", entry_of(pairs, k, k, modes, NONE)) for k in range(6)]
     return side_by_side(panels, f"{pairs.campaign}: the diagonal of the dynamic mass", dark)
 
 
