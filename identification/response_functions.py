@@ -652,15 +652,17 @@ def _of_universal(
         warnings.append(f"{path} does not say what was read per newton; acceleration is taken")
     if not (at or places or file.nodes):
         warnings.append(f"{path} has no coordinates, and its nodes are those of the model by number, unless `places` names them")
-    unit, found = _unit(table, source)[1], []
+    unit, found, driven = _unit(table, source)[1], [], entry.get("drive")
+    driven = None if driven is None else sensors.point(driven, source=source, field="drive", direction=direction)
     for k, one in enumerate(functions):
-        if not at and one.reference == uff_tests.NOWHERE:
+        if not at and one.reference == uff_tests.NOWHERE and (driven is None or inverted):
             problem = f"the function of node {one.response.node} names no reference node: where the force acted is missing"
-            remedy = "Export it with its reference, or write `drive` and `responses` where it names no nodes at all"
+            remedy = 'Write drive = "tip:z", and `responses` as well where it names no nodes at all'
             raise BadInput(str(path), "reference", problem, remedy)
         values = one.upright(str(path), inverted, unit)
         ends = (one.response, one.reference) if inverted else (one.reference, one.response)
-        drive, response = at[k] if at else (uff_tests.point(end, file, places, direction) for end in ends)
+        points = (uff_tests.point(end, file, places, direction) for end in ends if end != uff_tests.NOWHERE)
+        drive, response = at[k] if at else [*([driven] if driven and one.reference == uff_tests.NOWHERE else []), *points]
         coherence = coherences[k] if at and coherences else file.coherence(one)
         f = one.frequency if coherence is None else coherence.frequency
         if f.shape != one.frequency.shape or not np.allclose(f, one.frequency, rtol=1e-5):

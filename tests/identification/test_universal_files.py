@@ -539,3 +539,16 @@ def test_records_in_milliseconds_and_those_of_a_general_type_are_records(tmp_pat
     for about in ({"axis": "ms"}, {"kind": 0}):
         found = shaken(tmp_path, record("force", 13, "N", **about), record("a:z", 12, "m/s^2", **about))  # type: ignore[arg-type]
         assert_allclose(found.frequency[-1], 256)
+
+
+def test_a_file_that_names_responses_alone_takes_the_drive_of_the_test(tmp_path: Path) -> None:
+    """As vibrometers and hammers leave it; such a file was refused whatever the test said."""
+    parts = function(reference=(0, 0)), function(2 * H, response=(5, 3), reference=(0, 0))
+    found = read(tmp_path, *parts, drive="tip:-z")
+    assert [one.name for one in (*found.drives, *found.responses)] == ["tip-z", "node-1-z", "node-5-z"]
+    assert_allclose(found.values[0, :, 1], 2 * H)
+    with pytest.raises(BadInput, match=r"names no reference node.* Write drive = \"tip:z\""):
+        read(tmp_path, *parts)
+    upside = function(1 / H, over=(13, "NONE"), under=(12, "NONE"), reference=(0, 0))
+    with pytest.raises(BadInput, match="names no reference node"):  # there it is the response that has no place
+        read(tmp_path, upside, drive="tip:z", inverted=True)
