@@ -420,24 +420,9 @@ def length_unit(text: str, source: str, field: str = "unit") -> LengthUnit:
 # and tolerances combine in quadrature to first order (ISO/IEC Guide 98-3, the GUM, section 5.1.2). A value without a tolerance
 # is exact. `uncertainties` carries the derivatives; every input is tagged with its name, so that each result can be itemised.
 
-SI_UNITS = {
-    "mass": "kg",
-    "length": "m",
-    "time": "s",
-    "acceleration": "m/s^2",
-    "force": "N",
-    "density": "kg/m^3",
-    "pressure": "Pa",
-    "moment of inertia": "kg m^2",
-    "first moment": "kg m",
-    "angle": "rad",
-    "frequency": "Hz",
-    "ratio": "1",
-    "area": "m^2",
-    "second moment of area": "m^4",
-    "stiffness": "N/m",
-    "rotational stiffness": "N m/rad",
-}
+SI_UNITS = {"mass": "kg", "length": "m", "time": "s", "acceleration": "m/s^2", "force": "N", "density": "kg/m^3"}
+SI_UNITS |= {"pressure": "Pa", "moment of inertia": "kg m^2", "first moment": "kg m", "angle": "rad", "frequency": "Hz"}
+SI_UNITS |= {"ratio": "1", "area": "m^2", "second moment of area": "m^4", "stiffness": "N/m", "rotational stiffness": "N m/rad"}
 """The dimensions that users' files use, and the unit in which their values leave here."""
 
 STANDARD_GRAVITY = 9.80665
@@ -576,6 +561,14 @@ def unit_among(text: str, units: Mapping[str, str], *, source: str, field: str) 
         if registry.Unit(si).dimensionality == found.dimensionality:
             return name, float(found.to(si).magnitude)
     raise BadInput(source, field, f"{text!r} is of none of {', '.join(units)}", f"Write it like {next(iter(units.values()))}")
+
+
+def is_unit(text: str) -> bool:
+    """Whether `text` is a unit of anything at all."""
+    try:
+        return bool(text) and not _registry().parse_units(text).dimensionless
+    except Exception:  # as above
+        return False
 
 
 def _a(name: str) -> str:

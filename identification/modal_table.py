@@ -12,7 +12,7 @@ from geometry import sensors, toml_file
 from geometry.errors import BadInput
 from geometry.frames import Array, freeze, frozen
 from geometry.sensors import Point
-from identification.files import arrays, text_table, uff, uff_tests
+from identification.files import arrays, files, text_table, uff, uff_tests
 from identification.files.files import Samples
 
 SOUND_SHAPE = 0.1
@@ -119,7 +119,8 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     toml_file.require_known(table, KEYS, source=source)
     toml_file.require_present(table, ("article", *(() if "file" in table else ("frequencies",))), source=source)
     warnings: list[str] = []
-    file = _of_file(toml_file.named_file(str(table["file"]), folder, source, "file"), table, source) if "file" in table else None
+    path = toml_file.named_file(str(table["file"]), folder, source, "file") if "file" in table else None
+    file = None if path is None else _of_file(path, table, source, warnings)
     columns = _frequencies(table, source, folder) if file is None else file[0]
     frequency = columns["frequency"]
     if not np.all(frequency > 0):
@@ -132,14 +133,11 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     if "damping" in columns and np.sum(columns["damping"] > 0) > 2 and np.median(columns["damping"]) > HEAVY:
         low, high = np.min(columns["damping"]), np.max(columns["damping"])
         warnings.append(f"damping of {source} is {low:.3g} to {high:.3g} of critical: it is likely in per cent")
-    for name, share, of in (
-        ("frequency_deviation", FREQUENCY_DEVIATION, "frequency"),
-        ("damping_deviation", DAMPING_DEVIATION, "damping"),
-    ):
-        if of in columns and name not in columns:
-            columns[name] = _deviation(table.get(name), share, columns[of], warnings, f"{name} of {source}", source, name)
-        elif name in columns and np.any(none := columns[name] == 0) and isinstance(table.get("frequencies"), list):
-            usual = _deviation(table.get(name), share, columns[of], warnings, f"{name} of some modes of {source}", source, name)
+    for of, share in (("frequency", FREQUENCY_DEVIATION), ("damping", DAMPING_DEVIATION)):
+        if of in columns and (name := f"{of}_deviation") not in columns:
+            columns[name] = _deviation(table, name, share, columns[of], warnings, source)
+        elif of in columns and np.any(none := columns[name] == 0) and isinstance(table.get("frequencies"), list):
+            usual = _deviation(table, name, share, columns[of], warnings, source, " of some modes")
             columns[name] = np.where(none, usual, columns[name])
     points, shapes, deviation = _shapes(table, len(frequency), source, folder) if file is None else file[1:]
     seen = [one.name for one in points]
@@ -153,8 +151,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
         shapes, deviation = None, None  # its place is one of the structure all the same
     if shapes is not None and deviation is None:
         largest = np.abs(shapes).max(axis=1, keepdims=True) * np.ones(shapes.shape)
-        name = "shapes_deviation"
-        deviation = _deviation(table.get(name), SHAPE_DEVIATION, largest, warnings, f"{name} of {source}", source, name)
+        deviation = _deviation(table, "shapes_deviation", SHAPE_DEVIATION, largest, warnings, source)
     elif shapes is not None and deviation is not None:
         # Instead of none at the component to which a shape was scaled what is usual of that shape
         found, scaled = np.array(deviation), []
@@ -223,11 +220,13 @@ def _before(
     return np.stack([earlier.frequency, earlier.frequency_deviation], axis=1)[list(of)]
 
 
-def _deviation(stated: Any, share: float, of: Array, warnings: list[str], what: str, source: str, field: str) -> Array:
-    """As it is stated relative to `of`, else the usual `share`, which is then said."""
-    if stated is None:
-        warnings.append(f"{what} is not stated; {100 * share:g} % is taken")
-        stated = share
+def _deviation(
+    table: Mapping[str, Any], field: str, share: float, of: Array, warnings: list[str], source: str, whose: str = ""
+) -> Array:
+    """As `table` states it relative to `of`, else the usual `share`, which is then said."""
+    stated = table.get(field, share)
+    if field not in table:
+        warnings.append(f"{field}{whose} of {source} is not stated; {100 * share:g} % is taken")
     if isinstance(stated, str):
         stated = float(toml_file.quantity(stated, "ratio", source=source, field=field).n)
     if not toml_file.is_number(stated) or not 0 < stated < 10:
@@ -247,13 +246,12 @@ def _frequencies(table: Mapping[str, Any], source: str, folder: Path) -> dict[st
         toml_file.require_known(stated, keys, source=source, where="frequencies")
         toml_file.require_present(stated, ("file", "frequency"), source=source, where="frequencies")
         text = text_table.read(toml_file.named_file(str(stated["file"]), folder, source, "file"), str(table.get("separator", "")))
-        return {
-            ("frequency_deviation" if key == "deviation" else str(key)): text.numbers(
-                text.column(str(name), f"frequencies.{key}")
-            ).real.astype(np.float64)
-            for key, name in stated.items()
-            if key != "file"
-        }
+        found = dict[str, Array]()
+        for key, name in ((key, name) for key, name in stated.items() if key != "file"):
+            units, field = {"%": 0.01} if key.startswith("damping") else files.FREQUENCIES, f"frequencies.{key}"
+            called = "frequency_deviation" if key == "deviation" else str(key)
+            found[called] = text.real(text.column(str(name), field), units, field)
+        return found
     found = {"frequency": stated, **({"damping": table["damping"]} if "damping" in table else {})}
     columns: dict[str, Array] = {}
     for name, values in found.items():
@@ -293,10 +291,10 @@ FromFile = tuple[dict[str, Array], tuple[Point, ...], Samples | None, Array | No
 """Frequencies and damping by name, sensors, shapes (m, s) and their deviations."""
 
 
-def _of_file(path: Path, table: Mapping[str, Any], source: str) -> FromFile:
+def _of_file(path: Path, table: Mapping[str, Any], source: str, warnings: list[str]) -> FromFile:
     """A whole table in one file: universal, or arrays by name."""
     if uff.is_universal(path):
-        return (*_of_universal(path, table, source), None)
+        return _of_universal(path, table, source, warnings)
     if path.suffix.lower() in (".csv", ".txt", ".dat"):
         remedy = "Name the columns of a text file under `frequencies` and `shapes`"
         raise BadInput(source, "file", f"{path.name} is no universal file and no arrays", remedy)
@@ -340,25 +338,28 @@ def _of_file(path: Path, table: Mapping[str, Any], source: str) -> FromFile:
     return columns, points, shapes.real if real else shapes, deviation
 
 
-def _of_universal(path: Path, table: Mapping[str, Any], source: str) -> tuple[dict[str, Array], tuple[Point, ...], Samples]:
+def _of_universal(path: Path, table: Mapping[str, Any], source: str, warnings: list[str]) -> FromFile:
     """Frequencies and damping by name, sensors, and shapes (m, s) of a universal file; axes that no mode has are left out."""
     file = uff_tests.read(path)
     if not file.modes:
-        raise BadInput(str(path), "", "it holds no dataset 55 or 2414", "Export the modes as dataset 55")
+        raise BadInput(str(path), "", "it holds no dataset 55 or 2414 of motions", "Export the modes as dataset 55")
+    warnings += file.warnings
     nodes = file.modes[0].nodes
     for k, one in enumerate(file.modes):
         if one.nodes != nodes:
-            problem = f"mode {k + 1} has other nodes than mode 1"
-            raise BadInput(str(path), "dataset 55", problem, "Export all modes at the same nodes")
+            raise BadInput(str(path), f"mode {k + 1}", "has other nodes than mode 1", "Export all modes at the same nodes")
     whole = np.array([one.shape for one in file.modes])
     there = [(k, axis) for k in range(len(nodes)) for axis in range(3) if np.any(whole[:, k, axis] != 0)]
     places = uff_tests.places_of(table, source)
     at = [uff_tests.NodeAxis(node=nodes[k], axis=uff_tests.AXES[axis]) for k, axis in there]
     points = tuple(uff_tests.point(one, file, places, "") for one in at)
     columns = {"frequency": np.array([one.frequency for one in file.modes])}
-    if all(one.damping_ratio > 0 for one in file.modes):
-        columns["damping"] = np.array([one.damping_ratio for one in file.modes])
-    return columns, points, np.array([[mode[k, axis] for k, axis in there] for mode in whole])
+    damping = np.array([one.damping_ratio for one in file.modes])
+    if np.all(damping > 0):
+        columns["damping"] = damping
+    elif np.any(damping > 0):
+        warnings.append(f"{path}: mode {int(np.argmin(damping)) + 1} has no damping above zero; that of all modes is left out")
+    return columns, points, np.array([[mode[k, axis] for k, axis in there] for mode in whole]), None
 
 
 def _shapes(

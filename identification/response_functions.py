@@ -15,6 +15,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array, freeze, frozen
 from geometry.sensors import Point
 from identification.files import files, text_table, uff, uff_tests
+from identification.files.files import Samples, Signals
 from identification.spectra import response_estimates
 
 QUANTITIES = uff_tests.PER_NEWTON
@@ -164,25 +165,22 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
                 pieces += _of_universal(path, entry, table, source, warnings)
                 continue
             (drive,), responses = points_of(entry, table, source)
-            if path.suffix.lower() in SIGNALS:
-                frequency, functions = _of_signals(path, entry, responses, source)
-            else:
-                frequency, functions = _of_text(path, entry, table, responses, source)
+            frequency, functions = _of_columns(path, entry, table, responses, source)
             pieces += [
-                Piece(source=str(path), drive=drive, response=at, frequency=frequency, values=one)
-                for at, one in zip(responses, functions, strict=True)
+                Piece(source=str(path), drive=drive, response=at, frequency=frequency, values=one, quantity=said)
+                for at, (one, said) in zip(responses, functions, strict=True)
             ]
         if inverted:
             pieces = [_upright(one, warnings) for one in pieces]
-        said = {one.quantity: one.source for one in pieces if one.quantity}  # by files that say it
-        if len(said) > 1:
-            raise BadInput(source, "quantity", f"functions of {' and of '.join(said)} stand together", "Make a test of each")
-        if said and ("quantity" in table or "unit" in table) and quantity not in said:
-            problem = f"is {quantity}, and {next(iter(said.values()))} says {next(iter(said))}"
-            raise BadInput(source, "quantity", problem, "Correct it")
-        quantity = next(iter(said), quantity)
+    said = {one.quantity: one.source for one in pieces if one.quantity}  # by files that say it
+    if len(said) > 1:
+        raise BadInput(source, "quantity", f"functions of {' and of '.join(said)} stand together", "Make a test of each")
+    if said and ("quantity" in table or "unit" in table) and quantity not in said:
+        problem = f"is {quantity}, and {next(iter(said.values()))} says {next(iter(said))}"
+        raise BadInput(source, "quantity", problem, "Correct it")
+    quantity = next(iter(said), quantity)
     decay = _number(table.get("records", table), "decay", 0.0, source)
-    pieces = [replace(one, values=factor * one.values) for one in pieces]
+    pieces = [replace(one, values=(1.0 if factor is None else factor) * one.values) for one in pieces]
     whole = assembled(pieces, source)
     low, high = float(whole.frequency[0] or whole.frequency[1]), float(min(whole.frequency[-1], reach))
     stated = table.get("band")
@@ -382,22 +380,20 @@ def _require_upright(f: Array, values: ComplexArray, source: str) -> None:
         raise BadInput(source, "files", problem, remedy)
 
 
-def _unit(table: Mapping[str, Any], source: str) -> tuple[str, float]:
-    """The quantity of the functions, and what one of their unit is in SI."""
+def _unit(table: Mapping[str, Any], source: str) -> tuple[str, float | None]:
+    """The quantity of the functions, and what one of their unit is in SI; None where no `unit` is stated."""
     stated = table.get("quantity")
     if stated is not None:
         toml_file.one_of(stated, tuple(QUANTITIES), source=source, where="quantity")
     unit = table.get("unit", "")
     if not unit:
-        return str(stated or "acceleration"), 1.0
+        return str(stated or "acceleration"), None
     inverted = bool(table.get("inverted", False))
     found, factor = toml_file.unit_among(str(unit), {**QUANTITIES, **UPSIDE_DOWN}, source=source, field="unit")
     if (found in UPSIDE_DOWN) != inverted:
-        what = f"{unit!r} is {found}" + (
-            ", and response over force is needed" if not inverted else ", and inverted = true says otherwise"
-        )
-        remedy = "Write inverted = true, or export response over force" if not inverted else "Take inverted = true out"
-        raise BadInput(source, "unit", what, remedy)
+        wanted = "inverted = true says otherwise" if inverted else "response over force is needed"
+        remedy = "Take inverted = true out" if inverted else "Write inverted = true, or export response over force"
+        raise BadInput(source, "unit", f"{unit!r} is {found}, and {wanted}", remedy)
     found = found.removeprefix("force over ")
     if stated is not None and stated != found:
         raise BadInput(source, "unit", f"{unit!r} is one of {found}, and the quantity is {stated}", "Correct one of them")
@@ -495,7 +491,7 @@ def _of_records(
         names = [one.name for one in responses]
         blows: list[response_estimates.Blow] = []
         for path, entry, _, _ in members:
-            rate, force, read = _record(path, entry, table, len(drives), responses, source)
+            rate, force, read, quantities = _record(path, entry, table, len(drives), responses, source)
             if not all(np.all(np.abs(one) < LARGEST) for one in (force, read)):  # NaN is not below, either
                 problem = f"holds numbers that are none, or beyond {LARGEST:g}"
                 raise BadInput(str(path), "records", problem, "Export it again; it may be damaged")
@@ -526,6 +522,7 @@ def _of_records(
                 coherence=made.coherence[r, :, k],
                 averages=made.averages,
                 smeared=made.smeared,
+                quantity=quantities[k],
             )
             for r, drive in enumerate(drives)
             for k, at in enumerate(responses)
@@ -555,52 +552,74 @@ def _number(how: Mapping[str, Any], key: str, usual: float, source: str) -> floa
 
 def _record(
     path: Path, entry: Mapping[str, Any], table: Mapping[str, Any], count: int, responses: Sequence[Point], source: str
-) -> tuple[float, Array, Array]:
-    """Rate [Hz], `count` forces (n, r) and responses (n, c) of one file."""
+) -> tuple[float, Array, Array, list[str]]:
+    """Rate [Hz], `count` forces (n, r) and responses (n, c) of one file, whose ratios are in SI if it says how, and of what."""
     columns = _columns(entry, responses, source)
-    forces = columns.pop("force", ["force"] if count == 1 else [])
+    file = _channels(path, columns, table)
+    known = list(file.samples)
+    if len(responses) == 1 and "response" in columns:
+        columns[responses[0].name] = columns["response"]
+    named = {**(_called(known, responses) or {}), **columns}
+    read = [named[one.name][0] for one in responses if one.name in named]
+    first = ["force"] if "force" in known else [name for name in known if name not in read][:1]
+    forces = columns.get("force", first if count == 1 else [])
     if len(set(forces)) != count:
         problem = f"names {len(set(forces))} forces, and the drives are {count}"
         raise BadInput(source, "columns.force", problem, 'Write columns = { force = ["F1", "F2"] }, in the order of the drives')
-    if len(responses) == 1 and "response" in columns:
-        columns[responses[0].name] = columns["response"]
-    if path.suffix.lower() in (*SIGNALS, *uff.ENDINGS):
-        signals = files.read(path)
-        if signals.sampling_rate is None:
-            problem = "it holds functions of frequency where records of time are needed"
-            raise BadInput(str(path), "", problem, "Take `records` out of the test")
-        known = tuple(signals.samples)
-        called = _called(known, responses) or {}
-        wanted = [*forces, *({**called, **columns}.get(one.name, [one.name])[0] for one in responses)]
-        for name in wanted:
-            if name not in known:
-                remedy = f"Name the channels in `columns`; there are {', '.join(known)}"
-                raise BadInput(str(path), name, "no channel is called so", remedy)
-        units = {} if "unit" in table else signals.units
-        scaled = {
-            name: signals.samples[name] * getattr(units.get(name), "force" if name in forces else "length", 1.0)
-            for name in wanted
-        }
-        whole = np.column_stack([scaled[name] for name in wanted])
-        return signals.sampling_rate, whole[:, :count], whole[:, count:]
-    text = text_table.read(path, str(table.get("separator", "")))
-    columns = {**(_called(text.header, responses) or {}), **columns}
-    at = {key: text.column(names[0], f"columns.{key}") for key, names in columns.items()}
-    axis = at.get("time", 0)
-    stated = "force" in entry.get("columns", {})
-    named = [at[one.name] for one in responses if one.name in at]
-    first = next((k for k in range(len(text.cells[0])) if k not in (axis, *named)), axis)
-    driven = [text.column(name, "columns.force") for name in forces] if stated else [first]
-    rest = [k for k in range(len(text.cells[0])) if k not in (axis, *driven)]
-    if not named and len(rest) == len(responses):
-        named = rest
-    if len(named) != len(responses):
+    rest = [name for name in known if name not in forces]
+    if not read and len(rest) == len(responses):
+        read = rest
+    if len(read) != len(responses):
         problem = f"it has {len(rest)} columns beside time and force, and the responses are {len(responses)}"
-        raise BadInput(str(path), "responses", problem, "Name all in order, or state `columns`")
-    time = text.numbers(axis).real.astype(np.float64)
-    rate = files.rate_of_times(time, str(path), text.header[axis] if text.header else "time")
-    force, read = (np.column_stack([text.numbers(k).real.astype(np.float64) for k in of]) for of in (driven, named))
-    return rate, force, read
+        raise BadInput(str(path), "responses", problem, f"Name all in order, or state `columns`; there are {', '.join(rest)}")
+    force, found = (np.column_stack([_samples(file, name).real for name in of]) for of in (forces, read))
+    units = [[_said(file, name, at, False) for name in read] for at in forces]
+    what, stated = [f"the record of {name}" for name in read], _unit(table, source)[1]
+    sizes = np.array([[one.size(str(path), of, stated) for one, of in zip(row, what, strict=True)] for row in units])
+    scaled = force * sizes[0, 0] / sizes[:, 0], found * sizes[0]
+    return float(file.sampling_rate or 0), *scaled, [one.quantity for one in units[0]]
+
+
+def _channels(path: Path, columns: Mapping[str, Sequence[str]], table: Mapping[str, Any]) -> Signals:
+    """A file of signals or a table in text, whose first column is the axis if `columns` says no other; records or functions."""
+    records = "records" in table
+    if path.suffix.lower() in (*SIGNALS, *uff.ENDINGS):
+        found = files.read(path)
+        if (found.sampling_rate if records else found.frequency) is None:
+            problem = f"it holds functions of {'frequency' if records else 'time'}, and the test says otherwise"
+            raise BadInput(str(path), "", problem, "Write records = { } to make functions of records, and leave it out of others")
+        return found
+    text = text_table.read(path, str(table.get("separator", "")))
+    what, units = ("time", files.TIMES) if records else ("frequency", files.FREQUENCIES)
+    at = text.column(columns[what][0], f"columns.{what}") if what in columns else 0
+    known = text.header or tuple(str(k + 1) for k in range(len(text.cells[0])))
+    axis, field = text.real(at, units, what), text.header[at] if text.header else what
+    if not records:
+        files.require_lines(axis, str(path), field)
+    names = {k: name if known.count(name) == 1 else f"{name}, column {k + 1}" for k, name in enumerate(known)}
+    numbers = [k for k in names if k != at and text_table.as_number(text.cells[0][k]) is not None]
+    return Signals(
+        source=str(path),
+        samples={names[k]: text.numbers(k) for k in numbers},
+        sampling_rate=files.rate_of_times(axis, str(path), field) if records else None,
+        frequency=None if records else axis,
+        labels={names[k]: text.unit(k) for k in numbers},
+    )
+
+
+def _samples(file: Signals, name: str) -> Samples:
+    if name not in file.samples:
+        raise BadInput(
+            file.source, name, "no column is called so", f"Name them in `columns`; there are {', '.join(file.samples)}"
+        )
+    return file.samples[name]
+
+
+def _said(file: Signals, response: str, force: str, inverted: bool) -> uff_tests.Unit:
+    """What `file` says of the unit of a function, or of the one of two records."""
+    over, under = file.units.get(response), file.units.get(force)
+    stated = over.length / under.force if over and under else None
+    return uff_tests.unit_of([file.labels.get(response, ""), file.labels.get(force, "")], "", stated, inverted)
 
 
 def _of_universal(
@@ -614,7 +633,7 @@ def _of_universal(
     functions, coherences, at = file.functions, file.coherences, list[tuple[Point, Point]]()
     if not functions:
         remedy = "Export response functions as dataset 58, or modes as a modal table"
-        raise BadInput(str(path), "", "it holds no dataset 58", remedy)
+        raise BadInput(str(path), "", "it holds no response function (dataset 58, function type 4)", remedy)
     warnings += file.warnings
     places = uff_tests.places_of(table, source)
     direction, inverted = str(table.get("direction", "")), bool(table.get("inverted", False))
@@ -629,20 +648,21 @@ def _of_universal(
         at = [(drive, response) for response in listed]
     elif len({(one.response, one.reference) for one in coherences}) < len(coherences):
         warnings.append(f"{path} holds several coherences of the same nodes, and they are passed over")
-    if "unit" not in table and "quantity" not in table and not all(one.quantity for one in functions):
+    if "unit" not in table and "quantity" not in table and not all(one.unit.quantity for one in functions):
         warnings.append(f"{path} does not say what was read per newton; acceleration is taken")
     if not (at or places or file.nodes):
         warnings.append(f"{path} has no coordinates, and its nodes are those of the model by number, unless `places` names them")
-    unit = _unit(table, source)[1] if "unit" in table else None
-    found = []
+    unit, found, driven = _unit(table, source)[1], [], entry.get("drive")
+    driven = None if driven is None else sensors.point(driven, source=source, field="drive", direction=direction)
     for k, one in enumerate(functions):
-        if not at and one.reference == uff_tests.NOWHERE:
+        if not at and one.reference == uff_tests.NOWHERE and (driven is None or inverted):
             problem = f"the function of node {one.response.node} names no reference node: where the force acted is missing"
-            remedy = "Export it with its reference, or write `drive` and `responses` where it names no nodes at all"
+            remedy = 'Write drive = "tip:z", and `responses` as well where it names no nodes at all'
             raise BadInput(str(path), "reference", problem, remedy)
         values = one.upright(str(path), inverted, unit)
         ends = (one.response, one.reference) if inverted else (one.reference, one.response)
-        drive, response = at[k] if at else (uff_tests.point(end, file, places, direction) for end in ends)
+        points = (uff_tests.point(end, file, places, direction) for end in ends if end != uff_tests.NOWHERE)
+        drive, response = at[k] if at else [*([driven] if driven and one.reference == uff_tests.NOWHERE else []), *points]
         coherence = coherences[k] if at and coherences else file.coherence(one)
         f = one.frequency if coherence is None else coherence.frequency
         if f.shape != one.frequency.shape or not np.allclose(f, one.frequency, rtol=1e-5):
@@ -656,34 +676,10 @@ def _of_universal(
                 frequency=one.frequency,
                 values=values,
                 coherence=None if coherence is None else coherence.values.real,
-                quantity=one.quantity,
+                quantity=one.unit.quantity,
             )
         )
     return found
-
-
-def _of_signals(
-    path: Path, entry: Mapping[str, Any], responses: Sequence[Point], source: str
-) -> tuple[Array, list[ComplexArray]]:
-    """Of a file of vectors by name."""
-    signals = files.read(path)
-    if signals.frequency is None:
-        problem = "it holds time histories where functions of frequency are needed"
-        raise BadInput(str(path), "", problem, "Write records = { } to make functions of them")
-    known = tuple(signals.samples)
-    columns = {**(_called(known, responses) or {}), **_columns(entry, responses, source)}
-    names = [
-        columns.get(one.name, [one.name if one.name in known or len(known) != len(responses) else known[k]])
-        for k, one in enumerate(responses)
-    ]
-    found = []
-    for (name, *_), one in zip(names, responses, strict=True):
-        if name not in signals.samples:
-            raise BadInput(str(path), one.name, f"no vector is called {name!r}", f"There are {', '.join(known)}")
-        if not np.iscomplexobj(signals.samples[name]):
-            raise BadInput(str(path), name, "is real, and complex functions are needed", "Save them complex")
-        found.append(np.asarray(signals.samples[name], dtype=np.complex128))
-    return signals.frequency, found
 
 
 def _columns(entry: Mapping[str, Any], responses: Sequence[Point], source: str) -> dict[str, list[str]]:
@@ -708,36 +704,29 @@ def _called(known: Sequence[str], responses: Sequence[Point], each: int = 1) -> 
     return found if all(len(names) == each for names in found.values()) and len(set(taken)) == len(taken) else None
 
 
-def _of_text(
+def _of_columns(
     path: Path, entry: Mapping[str, Any], table: Mapping[str, Any], responses: Sequence[Point], source: str
-) -> tuple[Array, list[ComplexArray]]:
-    """Of a table in text."""
-    text = text_table.read(path, str(table.get("separator", "")))
-    named, count = _columns(entry, responses, source), len(text.cells[0])
-    axis = text.column(named["frequency"][0], "columns.frequency") if "frequency" in named else 0
-    rest = [k for k in range(count) if k != axis]
-    each = 2 if len(rest) == 2 * len(responses) else 1
-    called = _called(text.header, responses, 2) or (_called(text.header, responses) if each == 1 else None)
-    named = {**(called or {}), **named}
-    if not all(one.name in named for one in responses) and len(rest) != each * len(responses):
-        problem = f"it has {len(rest)} columns beside the frequency, neither one nor two for each of {len(responses)} responses"
+) -> tuple[Array, list[tuple[ComplexArray, str]]]:
+    """Frequency, and by response its function and the quantity that a header names in brackets."""
+    columns = _columns(entry, responses, source)
+    file = _channels(path, columns, table)
+    known, stated, inverted = list(file.samples), table.get("parts"), bool(table.get("inverted", False))
+    each = 2 if len(known) == 2 * len(responses) else 1
+    called = _called(known, responses, 2) or (_called(known, responses) if each == 1 else None)
+    named = {**(called or {}), **columns}
+    if not all(one.name in named for one in responses) and len(known) != each * len(responses):
+        problem = f"it has {len(known)} columns beside the frequency, neither one nor two for each of {len(responses)} responses"
         raise BadInput(str(path), "responses", problem, "Name all of them in order, or state `columns`")
-    places = [
-        [text.column(name, f"columns.{one.name}") for name in named[one.name]]
-        if one.name in named
-        else rest[each * k : each * (k + 1)]
-        for k, one in enumerate(responses)
-    ]
-    frequency = text.numbers(axis).real.astype(np.float64)
-    files.require_lines(frequency, str(path), text.header[axis] if text.header else "frequency")
-    stated = table.get("parts")
     if stated is not None:
         toml_file.one_of(stated, PARTS, source=source, where="parts")
-    found = [
-        _joined([text.numbers(k) for k in at], [text.header[k] for k in at] if text.header else [], stated, str(path))
-        for at in places
-    ]
-    return frequency, found
+    found = []
+    for k, one in enumerate(responses):
+        names = named.get(one.name, known[each * k : each * (k + 1)])
+        values = _joined([_samples(file, name) for name in names], names, stated, str(path))
+        unit = _said(file, next((name for name in names if file.labels.get(name)), ""), "", inverted)
+        size = unit.size(str(path), f"the function in {names[0]}", _unit(table, source)[1])
+        found.append((values / size if inverted else size * values, unit.quantity))
+    return np.asarray(file.frequency), found
 
 
 TURNS = 120.0

@@ -1,1 +1,1 @@
-"""Signals from and to files: universal files, HDF5, CSV, MATLAB. The door to pyuff."""
+"""Signals from and to files: universal files, HDF5, CSV, MATLAB."""

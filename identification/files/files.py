@@ -170,6 +170,10 @@ def _module(path: Path) -> Any:
 
 # The common axis: is it evenly sampled, and at what rate, when the file says so in a few digits only?
 
+TIMES = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "µs": 1e-6, "us": 1e-6}
+FREQUENCIES = {"hz": 1.0, "1/s": 1.0, "khz": 1e3, "rad/s": 1 / (2 * np.pi)}
+"""Units of an axis in lower case, in SI."""
+
 UNEVEN = 0.3
 """How far a time stamp may lie from its place at most, in sampling intervals, when its printed digits have no more to say."""
 

@@ -3,12 +3,16 @@
 import csv
 import io
 import re
+from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from geometry import toml_file
 from geometry.errors import BadInput
+from geometry.frames import Array
 from identification.files import files
 from identification.files.files import DAMAGED, Samples
 
@@ -55,6 +59,19 @@ class TextTable:
         problem = f"no column is called {name!r}" if name not in known else f"{known.count(name)} columns are called {name!r}"
         raise BadInput(self.source, field, problem, f"Columns are {', '.join(known)}")
 
+    def unit(self, column: int) -> str:
+        """The unit in brackets at the end of its header; empty where there is none."""
+        found = re.search(r"[\[(]([^\[\]()]*|\S*)[\])]$", self.header[column]) if self.header else None
+        unit = found[1].strip() if found else ""
+        return unit if unit == "%" or toml_file.is_unit(plain(unit)) else ""
+
+    def real(self, column: int, units: Mapping[str, float], field: str) -> Array:
+        """(n,) numbers times what the unit of their header is among `units`, in lower case; BadInput where it is another."""
+        unit = self.unit(column).lower()
+        if unit and unit not in units:
+            raise BadInput(self.source, field, f"is in {unit!r}, where {', '.join(units)} are read", "Convert that column")
+        return units.get(unit, 1.0) * self.numbers(column).real.astype(np.float64)
+
     def numbers(self, column: int) -> Samples:
         """(n,) float64, or complex128 where a cell has an imaginary part.
 
@@ -66,21 +83,24 @@ class TextTable:
         try:
             found = np.array(texts, dtype=np.float64)
         except ValueError:
-            found = np.array([self._number(text, row, column) for row, text in enumerate(texts)], dtype=np.complex128)
+            made = [as_number(text) for text in texts]
+            if None in made:
+                row = made.index(None)
+                raise self._refused(row, column, f"a number is needed, found {texts[row][:30]!r}") from None
+            found = np.array(made, dtype=np.complex128)
         if not np.all(np.isfinite(found)):
             row = int(np.argmin(np.isfinite(found)))
             raise self._refused(row, column, f"a finite number is needed, found {texts[row]!r}")
         return found.real if np.iscomplexobj(found) and not any(re.search("[ij]", one) for one in texts) else found
 
-    def _number(self, text: str, row: int, column: int) -> complex:
-        made = as_number(text)
-        if made is None:
-            raise self._refused(row, column, f"a number is needed, found {text[:30]!r}")
-        return made
-
     def _refused(self, row: int, column: int, problem: str) -> BadInput:
         name = self.header[column] if self.header else f"column {column + 1}"
         return BadInput(self.source, name, f"line {self.first + row}: {problem}", DAMAGED)
+
+
+def plain(label: str) -> str:
+    """A unit as it is written here: analysers print ``[m/s2]``, ``m/sec2``, ``gn``."""
+    return re.sub(r"(?<=[sc])2\b", "^2", re.sub(r"\b(?:G|gn)\b", "g", label.translate(str.maketrans("[]", "()"))))
 
 
 def as_number(text: str) -> complex | None:
@@ -121,10 +141,13 @@ def read(path: Path, separator: str = "") -> TextTable:
         raise BadInput(source, "", "it is no text: it holds zero bytes", "Export the table as CSV")
     lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
     chosen = {"tab": "\t", "space": " ", "comma": ",", "semicolon": ";"}.get(separator, separator)
-    start = next((k for k, (_, line) in enumerate(lines[:MOST_HEAD]) if _is_row(line, chosen)), None)
-    if start is None:
+    widths = [_width(line, chosen) for _, line in lines[: 2 * MOST_HEAD]]
+    usual = Counter(filter(None, widths)).most_common(1)  # a head may have lines such as ``Point index: 1``
+    rows_at = (k for k, one in enumerate(widths) if one and (one == usual[0][0] or not re.search("[A-Za-z]{2}", lines[k][1])))
+    start = next(rows_at, None)
+    if start is None or start >= MOST_HEAD:
         raise BadInput(source, "", "no row of numbers is found in it", "State `separator`, or export it again")
-    by = chosen or next(one for one in SEPARATORS if _is_row(lines[start][1], one))
+    by = chosen or next(one for one in SEPARATORS if _width(lines[start][1], one))
     rows = [_cells(line, by) for _, line in lines[start:] if not line.lstrip().startswith(("#", "%"))]
     width = len(rows[0])
     odd = next((k for k, row in enumerate(rows) if len(row) != width), None)
@@ -138,16 +161,16 @@ def read(path: Path, separator: str = "") -> TextTable:
     return TextTable(source=source, header=tuple(header), cells=tuple(rows), first=lines[start][0])
 
 
-def _is_row(line: str, separator: str) -> bool:
-    """Whether a line is a row of two cells or more, of which most are numbers."""
+def _width(line: str, separator: str) -> int:
+    """How many cells, two or more of which most are numbers, a line has; 0 where it has others."""
     if line.lstrip().startswith(("#", "%")):
-        return False
+        return 0
     for by in (separator,) if separator else SEPARATORS:
         cells = _cells(line, by)
         numbers = sum(as_number(cell) is not None for cell in cells)
         if len(cells) > 1 and numbers >= max(1, len(cells) - 1):
-            return True
-    return False
+            return len(cells)
+    return 0
 
 
 def _cells(line: str, separator: str) -> tuple[str, ...]:
@@ -157,4 +180,4 @@ def _cells(line: str, separator: str) -> tuple[str, ...]:
         words = next(csv.reader(io.StringIO(line), delimiter=separator), [])
     except csv.Error:
         return ()
-    return tuple(word.strip() for word in words)
+    return tuple(word.strip() for word in (words[:-1] if words and not words[-1].strip() else words))  # some end rows in one

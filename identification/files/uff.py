@@ -1,13 +1,13 @@
 """Signals in universal files: dataset 58, ASCII or binary (58b), one a channel, its name in the first id line.
 
 Function type 1 is a time history, 12 a spectrum. A dataset 164 states the units of the functions behind it. Other datasets (151
-header, nodes, traces) are passed over. The numbers are measured and read here, the headers by pyuff.
+header, nodes, traces) are passed over.
 """
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -17,11 +17,9 @@ from geometry.frames import Array
 from identification.files import files
 from identification.files.files import DAMAGED, LARGEST, Samples, Signals, StatedUnits
 
-# The datasets of a universal file, told apart and measured before anybody reads numbers from them.
-#
-# pyuff looks for the end of a dataset by its sign and takes as many numbers as it finds. Here every dataset 58 must have exactly
-# the numbers that its header promises, in fields of the width that the format has, so that a byte too many or too few is
-# noticed. What has been measured is read at once, an order of magnitude faster than line by line.
+# The datasets of a universal file, told apart and measured before anybody reads numbers from them. Every dataset 58 must have
+# exactly the numbers that its header promises, in fields of one width, so that a byte too many or too few is noticed. What has
+# been measured is read at once, an order of magnitude faster than line by line.
 
 MARK = b"    -1"
 HEADER = 11
@@ -83,6 +81,12 @@ def title(line: str, index: int) -> str:
     return line.strip() if line.strip() not in ("", "NONE") else f"dataset {index + 1}"
 
 
+def label(line: str) -> str:
+    """The unit that a line of an axis names; empty for NONE."""
+    text = line[47:67].strip()
+    return "" if text.upper() == "NONE" else text
+
+
 def column(line: str, start: int, width: int, kind: type[int] | type[float], what: str, source: str) -> float:
     """The number in columns `start` on of `line`.
 
@@ -94,7 +98,7 @@ def column(line: str, start: int, width: int, kind: type[int] | type[float], wha
     try:
         if "_" in text:
             raise ValueError
-        return kind(text)
+        return kind(text if kind is int else re.sub("[dD]", "E", text))
     except ValueError:
         raise BadInput(source, what, f"must be a number, found {text!r}", DAMAGED) from None
 
@@ -112,7 +116,7 @@ def _block(content: bytes, place: int, index: int, source: str) -> tuple[Dataset
     closing = _next_mark(content, place)
     if closing is None:
         raise BadInput(source, "", f"dataset {index + 1} does not end", DAMAGED)
-    lines = content[place : closing.start()].decode("utf-8", errors="replace").splitlines()
+    lines = _text(content[place : closing.start()]).splitlines()
     return Dataset(number=number, index=index, lines=tuple(lines)), closing.end()
 
 
@@ -172,8 +176,11 @@ def _ascii(content: bytes, place: int, widths: list[int], count: int, name: str,
     body = content[place : closing.start()]
     if _NUMBERS.fullmatch(body) is None:
         raise BadInput(source, name, "holds something that is no number", DAMAGED)
-    ends = [sum(widths[: k + 1]) for k in range(len(widths))]
     found, rows = 0, [row.rstrip(b"\r") for row in body.rstrip(b"\r\n").split(b"\n")] if count else []
+    words = [word.end() for word in re.finditer(rb"\S+", rows[0])] if rows else []
+    if words and len(set(np.diff([0, *words]))) == 1 and words[-1] not in np.cumsum(widths):
+        widths = words[:1] * len(words)  # some writers have one width of their own for all numbers
+    ends = [sum(widths[: k + 1]) for k in range(len(widths))]
     for k, row in enumerate(rows):
         bare = row.rstrip()
         rows[k] = row = row if len(row) in ends and len(bare) not in ends else bare  # some writers end each field in a blank
@@ -197,7 +204,15 @@ def _line(content: bytes, place: int, source: str) -> tuple[str, int]:
     end = _LINE_END.search(content, place, place + 1000)
     if end is None:
         raise BadInput(source, "", f"a header is cut short at byte {place + 1}", DAMAGED)
-    return content[place : end.start()].decode("utf-8", errors="replace"), end.end()
+    return _text(content[place : end.start()]), end.end()
+
+
+def _text(content: bytes) -> str:
+    """UTF-8, or Latin-1 as most analysers write, in which every byte is a column."""
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
 
 
 def _next_mark(content: bytes, place: int) -> re.Match[bytes] | None:
@@ -212,9 +227,7 @@ def _next_mark(content: bytes, place: int) -> re.Match[bytes] | None:
 
 # Universal files written: header 151, units 164, and a dataset 58 or 58b for every channel.
 #
-# pyuff writes functions of type 12 not at all, half of the byte count of complex ones, and zeros for NaN; so this is ours, by
-# the published description of the format, and pyuff reads it back in the tests. ASCII numbers have the thirteen digits of
-# E20.12.
+# By the published description of the format; pyuff reads it back in the tests. ASCII numbers have the thirteen digits of E20.12.
 
 RATE = "sampling rate {} Hz"
 """The fourth id line: the increment of the header has six digits only, and a record's length needs more."""
@@ -322,11 +335,8 @@ def is_universal(path: Path) -> bool:
 
 
 TIME_RESPONSE, RESPONSE_FUNCTION, SPECTRUM = 1, 4, 12
-
-CODES = {1: "SI", 2: "BG", 3: "MG", 4: "BA", 5: "MM", 6: "CM", 7: "IN", 8: "GM", 9: "user defined"}
-"""Systems of units of dataset 164."""
-
-AXIS = ("num_pts", "abscissa_spacing", "abscissa_min", "abscissa_inc")
+TIME, FREQUENCY = 17, 18
+"""Specific data types of an abscissa."""
 
 
 def read(path: Path) -> Signals:
@@ -342,85 +352,80 @@ def read(path: Path) -> Signals:
     functions = [block for block in found if block.number == 58]
     if not functions:
         raise BadInput(source, "", "it holds no dataset 58", "Export the signals as dataset 58 or 58b")
-    kinds = {}
-    for block in functions:
-        name = block.lines[0].strip()
-        kinds[name] = int(column(block.lines[5], 0, 5, int, name, source))
-        if kinds[name] not in (TIME_RESPONSE, SPECTRUM):
-            problem = (
-                f"has the function type {kinds[name]}, where {TIME_RESPONSE} (time response) or {SPECTRUM} (spectrum) is read"
-            )
+    names = _names(functions, source)
+    kinds = []
+    for block, name in zip(functions, names, strict=True):
+        kind, along = (int(column(block.lines[at], 0, width, int, name, source)) for at, width in ((5, 5), (7, 10)))
+        kinds.append(TIME_RESPONSE if (kind, along) == (0, TIME) else kind)
+        if kinds[-1] not in (TIME_RESPONSE, SPECTRUM):
+            problem = f"has the function type {kind}, where {TIME_RESPONSE} (time response) or {SPECTRUM} (spectrum) is read"
             raise BadInput(source, name, problem, "Export the recorded signals, not what was made of them")
-    if len(set(kinds.values())) > 1:
-        odd = next(name for name in kinds if kinds[name] != next(iter(kinds.values())))
-        problem = "is a spectrum beside time histories, or the other way round"
-        raise BadInput(source, odd, problem, "Put them into files of their own")
-    kind = next(iter(kinds.values()))
-    names = [block.lines[0].strip() for block in functions]
-    for name in names:
-        if name in ("", "NONE"):
-            raise BadInput(source, "", "a dataset 58 has no name in its first id line", "Write the channel's name there")
-        if names.count(name) > 1:
-            problem = f"{names.count(name)} datasets have this name in their first id line"
-            raise BadInput(source, name, problem, "Give every channel its own name")
-    sets = _headers(path, [block.index for block in functions], len(found))
-    abscissae: list[Array] = []
-    samples: dict[str, Samples] = {}
-    for name, one, block in zip(names, sets, functions, strict=True):
-        rows = block.numbers.reshape(int(one["num_pts"]), -1)
-        if one["abscissa_spacing"]:
-            abscissae.append(one["abscissa_min"] + one["abscissa_inc"] * np.arange(len(rows)))
-        else:
-            abscissae.append(rows[:, 0])
-            rows = rows[:, 1:]
-        samples[name] = files.as_complex(rows[:, 0], rows[:, 1]) if one["ord_data_type"] in COMPLEX else rows[:, 0]
-    first = sets[0]
-    for name, one, abscissa in zip(names, sets, abscissae, strict=True):
-        differs = [key for key in AXIS if one[key] != first[key]]
-        if differs or not np.array_equal(abscissa, abscissae[0]):
-            what = ", ".join(f"{key} {one[key]:g}" for key in differs) or "other abscissa values"
-            theirs = ", ".join(f"{first[key]:g}" for key in differs)
-            problem = f"has another axis than {names[0]}: {what}" + (f" instead of {theirs}" if theirs else "")
-            raise BadInput(source, name, problem, "Record all channels at one rate and length")
+        if kinds[-1] != kinds[0]:
+            problem = "is a spectrum beside time histories, or the other way round"
+            raise BadInput(source, name, problem, "Put them into files of their own")
+    spectra = kinds[0] == SPECTRUM
+    of_axis, stated = files.FREQUENCIES if spectra else files.TIMES, units(found, source)
+    curves = {name: curve(block, name, source, of_axis) for block, name in zip(functions, names, strict=True)}
+    samples = {name: values for name, (_, values) in curves.items()}
     files.require_one_length(samples, None, source)
-    axis: dict[str, Any] = {}
-    if kind == TIME_RESPONSE:
-        axis["sampling_rate"] = _rate(sets[0], abscissae[0], functions, names, source)
+    axis = curves[names[0]][0]
+    for name, (other, _) in curves.items():
+        if not np.array_equal(other, axis):
+            ours, first = (f"{one[0]:.9g} to {one[-1]:.9g}" for one in (other, axis))
+            problem = f"has another axis than {names[0]}: {ours} instead of {first}"
+            raise BadInput(source, name, problem, "Record all channels at one rate and length")
+    if spectra:
+        files.require_lines(axis, source, names[0])
+    return Signals(
+        source=source,
+        samples=samples,
+        sampling_rate=None if spectra else _rate(axis, functions, names, source),
+        frequency=axis if spectra else None,
+        units={name: of for name, block in zip(names, functions, strict=True) if (of := stated[block.index])},
+        labels={name: label(block.lines[8]) for name, block in zip(names, functions, strict=True)},
+        warnings=tuple(text for block in functions for text in block.warnings),
+    )
+
+
+def _names(functions: list[Dataset], source: str) -> list[str]:
+    """What tells the functions apart: the first id lines; else entity, node, direction and what the ordinate is called."""
+    ids = [block.lines[0].strip() for block in functions]
+    heads = [(block.lines[5][31:41], block.lines[5][41:51], block.lines[5][51:55], block.lines[8][26:46]) for block in functions]
+    about = [[word for one in head if (word := one.strip()) not in ("", "NONE", "0")] for head in heads]
+    for names in (ids, [head[0].strip() for head in heads], [" ".join(words) for words in about]):
+        if len(set(names)) == len(names) and not {"", "NONE"} & set(names):
+            return names
+    name = next(name for name in ids if ids.count(name) > 1 or name in ("", "NONE"))
+    problem = f"{ids.count(name)} datasets have this name or no name, and neither entity nor node tells the functions apart"
+    raise BadInput(source, name, problem, "Give every channel its own name")
+
+
+def curve(block: Dataset, name: str, source: str, units: Mapping[str, float]) -> tuple[Array, Samples]:
+    """Abscissa in SI, by a label of `units`, and ordinate (n,) of a function, the latter real or complex.
+
+    Raises
+    ------
+    BadInput : an abscissa without a finite start and step.
+    """
+    kind, count, even = (int(column(block.lines[6], start, 10, int, name, source)) for start in (0, 10, 20))
+    rows = block.numbers.reshape(count, -1)
+    if even:
+        start, step = (column(block.lines[6], at, 13, float, name, source) for at in (30, 43))
+        if not (abs(start) < LARGEST and 0 < step < LARGEST):
+            raise BadInput(source, name, f"has the abscissa {start:g} + {step:g} k", "Export it with start and step of its axis")
+        abscissa = np.asarray(start + step * np.arange(count), dtype=np.float64)
     else:
-        axis["frequency"] = abscissae[0]
-        files.require_lines(axis["frequency"], source, names[0])
-    labels = {name: str(one.get("ordinate_axis_units_lab", "")).strip() for name, one in zip(names, sets, strict=True)}
-    units = _units(found, names, source)
-    warnings = tuple(text for block in functions for text in block.warnings)
-    return Signals(source=source, samples=samples, units=units, labels=labels, warnings=warnings, **axis)
+        abscissa, rows = rows[:, 0], rows[:, 1:]
+    abscissa = units.get(label(block.lines[7]).lower(), 1.0) * abscissa
+    return abscissa, files.as_complex(rows[:, 0], rows[:, 1]) if kind in COMPLEX else rows[:, 0]
 
 
-def _headers(path: Path, chosen: list[int], count: int) -> list[dict[str, Any]]:
-    """What pyuff reads of the headers of the `chosen` datasets, when it tells as many apart as are framed."""
-    import pyuff
-
-    try:
-        file = pyuff.UFF(str(path))
-        agreed = file.get_n_sets() == count
-        sets = [file.read_sets(index, header_only=True) for index in chosen] if agreed else []
-    except Exception as error:  # pyuff raises bare exceptions
-        raise BadInput(str(path), "", f"it cannot be read as a universal file: {error}", DAMAGED) from None
-    if agreed and any(one.get("type") != 58 or "z_axis_spec_data_type" not in one for one in sets):
-        raise BadInput(str(path), "", "a dataset 58 has a damaged header", DAMAGED)
-    if any(not abs(one[key]) < LARGEST for one in sets for key in ("abscissa_min", "abscissa_inc")):
-        raise BadInput(str(path), "", "a dataset 58 has no finite abscissa", DAMAGED)
-    if not agreed:
-        raise BadInput(str(path), "", f"its marks -1 tell {file.get_n_sets()} datasets apart where {count} are framed", DAMAGED)
-    return sets
-
-
-def _rate(one: dict[str, Any], time: Array, functions: list[Dataset], names: list[str], source: str) -> float:
+def _rate(time: Array, functions: list[Dataset], names: list[str], source: str) -> float:
     """The sampling rate behind an increment of six digits, or behind time stamps; an id line of ours has it in full."""
-    if not one["abscissa_spacing"]:
+    if not column(functions[0].lines[6], 20, 10, int, names[0], source):
         return files.rate_of_times(time, source, "time")
-    increment = float(one["abscissa_inc"])
-    if not 0 < increment < np.inf:
-        raise BadInput(source, names[0], f"has the abscissa increment {increment:g} s", "Export it with its sampling interval")
+    unit = files.TIMES.get(label(functions[0].lines[7]).lower(), 1.0)
+    increment = column(functions[0].lines[6], 43, 13, float, names[0], source) * unit
     # Half a unit of the last digit that the increment was printed with, at least `5` decimals behind an exponent
     digits = next((d for d in range(5, 17) if float(f"{increment:.{d}e}") == increment), 17)
     rounding = float(0.5 * 10.0 ** (np.floor(np.log10(increment)) - digits))
@@ -436,33 +441,24 @@ def _rate(one: dict[str, Any], time: Array, functions: list[Dataset], names: lis
     return files.roundest(low, high)
 
 
-def _units(found: list[Dataset], names: list[str], source: str) -> dict[str, StatedUnits]:
-    """The last dataset 164 before every function; one that comes only behind all of them counts for all."""
-    stated, order = [], iter(names)
-    current: StatedUnits | None = None
-    for block in found:
-        if block.number == 164:
-            current = units_of(block, source)
-        elif block.number == 58:
-            stated.append((next(order), current))
-    return {name: units or current for name, units in stated if units or current}  # type: ignore[misc]
-
-
-def units_of(block: Dataset, source: str) -> StatedUnits:
-    """What a dataset 164 says.
+def units(found: list[Dataset], source: str) -> list[StatedUnits | None]:
+    """By dataset what the last 164 before it says, or the first where it comes only behind.
 
     Raises
     ------
-    BadInput : it is cut short, or its factors are none.
+    BadInput : one is cut short, its factors are none or contradict its code.
     """
-    what = "dataset 164"
-    if len(block.lines) < 2:
-        raise BadInput(source, what, "is cut short", DAMAGED)
-    code = int(column(block.lines[0], 0, 10, int, what, source))
-    row = block.lines[1].replace("D", "E").replace("d", "e")
-    length, force = (column(row, start, 25, float, what, source) for start in (0, 25))
-    if not (0 < length < np.inf and 0 < force < np.inf):
-        raise BadInput(source, what, f"has the factors {length:g} and {force:g}", "Correct it")
-    described = block.lines[0][10:30].strip()
-    words = f"code {code}, {CODES.get(code, 'unknown')}" + (f", {described!r}" if described else "")
-    return StatedUnits(length=1 / length, force=1 / force, words=words)
+    what, made = "dataset 164", dict[int, StatedUnits]()
+    for block in (block for block in found if block.number == 164):
+        if len(block.lines) < 2:
+            raise BadInput(source, what, "is cut short", DAMAGED)
+        code = int(column(block.lines[0], 0, 10, int, what, source))
+        length, force = (column(block.lines[1], start, 25, float, what, source) for start in (0, 25))
+        if not (0 < length < np.inf and 0 < force < np.inf):
+            raise BadInput(source, what, f"has the factors {length:g} and {force:g}", "Correct it")
+        if code == 1 and max(abs(length - 1), abs(force - 1)) > 1e-6:
+            problem = f"says code 1, which is SI, and has the factors {length:g} and {force:g}, where those of SI are 1"
+            raise BadInput(source, what, problem, "Write the factors 1 for numbers in SI, or the code 9 for a system of your own")
+        words = f"code {code}, {block.lines[0][10:30].strip()!r}"
+        made[block.index] = StatedUnits(length=1 / length, force=1 / force, words=words)
+    return [made[max((k for k in made if k < one.index), default=min(made))] if made else None for one in found]

@@ -5,8 +5,8 @@ Nodes (15, 781, 2411), the systems along whose axes they move (18, 2420), units 
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import Point
-from identification.files import files, uff
+from identification.files import files, text_table, uff
 from identification.files.files import DAMAGED, Samples
 from identification.files.uff import Dataset, column
 
@@ -54,6 +54,38 @@ NOWHERE = NodeAxis(node=0, axis="")
 """Of a file that names no nodes."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Unit:
+    """What a file says of the numbers of a function.
+
+    Attributes
+    ----------
+    quantity : of `QUANTITIES`; empty where the file does not say
+    inverted : whether the file says that it is force over response; None where it does not say
+    factor : what one unit of response per force is in SI; None where the file does not say
+    doubt : what contradicts itself or is not known, in words
+    """
+
+    quantity: str
+    inverted: bool | None
+    factor: float | None
+    doubt: str
+
+    def size(self, source: str, what: str, unit: float | None) -> float:
+        """`factor`; 1 where a study states the `unit` [SI], or nobody does.
+
+        Raises
+        ------
+        BadInput : a doubt that no `unit` settles, or a `unit` that contradicts the file.
+        """
+        if unit is None and self.doubt:
+            raise BadInput(source, "unit", f"{what} {self.doubt}", 'Write which it is, such as unit = "g/N"')
+        if unit is not None and not self.doubt and self.factor and abs(unit / self.factor - 1) > SAME_UNIT:
+            problem = f"is {unit:g} in SI, and the file says {self.factor:g} for {what}"
+            raise BadInput(source, "unit", problem, "Take `unit` out, or correct the file")
+        return self.factor if unit is None and self.factor is not None else 1.0
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Function:
     """One dataset 58.
@@ -62,23 +94,17 @@ class Function:
     ----------
     kind : `RESPONSE_FUNCTION`, `COHERENCE` or `MULTIPLE_COHERENCE`
     response, reference : where it was read, and where the force acts
-    quantity : of `QUANTITIES`; empty where the file does not say
-    inverted : whether the file says that it is force over response; None where it does not say
     frequency : (n,) [Hz]
     values : (n,) complex, in the units of the file
-    factor : what one unit of response per force is in SI; None where the file does not say
-    doubt : where dataset 164 and the label of the axis say different units, in words
+    unit : what the file says of these
     """
 
     kind: int
     response: NodeAxis
     reference: NodeAxis
-    quantity: str
-    inverted: bool | None
     frequency: Array
     values: ComplexArray
-    factor: float | None = None
-    doubt: str = ""
+    unit: Unit
 
     def upright(self, source: str, inverted: bool, unit: float | None) -> ComplexArray:
         """Response over force (n,) in SI; in the `unit` [SI] that a study states for a file, where it does.
@@ -88,18 +114,13 @@ class Function:
         BadInput : which is over which is not what the study says with `inverted`; units that contradict each other.
         """
         what = f"the function of node {self.response.node}"
-        if self.inverted and not inverted:
+        if self.unit.inverted and not inverted:
             remedy = "Write inverted = true, or export response over force"
-            raise BadInput(source, "functions", f"{what} is force over {self.quantity}", remedy)
-        if inverted and self.inverted is False:
+            raise BadInput(source, "functions", f"{what} is force over {self.unit.quantity}", remedy)
+        if inverted and self.unit.inverted is False:
             raise BadInput(source, "inverted", f"{what} is response over force already", "Take inverted = true out")
-        if unit is None and self.doubt:
-            raise BadInput(source, "unit", f"{what} {self.doubt}", 'Write which it is, such as unit = "g/N"')
-        if unit is not None and not self.doubt and self.factor and abs(unit / self.factor - 1) > SAME_UNIT:
-            problem = f"is {unit:g} in SI, and the file says {self.factor:g} for {what.removeprefix('the ')}"
-            raise BadInput(source, "unit", problem, "Take `unit` out, or correct the file")
-        factor = self.factor if unit is None and self.factor is not None else 1.0
-        return self.values / factor if inverted else factor * self.values
+        size = self.unit.size(source, what, unit)
+        return self.values / size if inverted else size * self.values
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -160,17 +181,17 @@ def read(path: Path) -> ModalFile:
     files.require_file(path)
     source = str(path)
     found = uff.blocks(path.read_bytes(), source)
-    stated = [block for block in found if block.number == 164]
-    units = [
-        uff.units_of(next((u for u in reversed(stated) if u.index < one.index), stated[0]), source) if stated else None
-        for one in found
-    ]
-    systems = dict[int, System]()
+    units = uff.units(found, source)
+    systems, warnings = dict[int, System](), list[str]()
+    writer = next((one.lines[5].strip() for one in found if one.number == 151 and len(one.lines) > 5), "")
+    # The same shapes that LMS Test.Lab 15A exported along axes of their nodes and along the global ones have them as columns
+    columns = re.search(r"test\.?lab", writer, re.IGNORECASE) is not None
     for block, unit in zip(found, units, strict=True):
         if block.number in (18, 2420):
-            systems |= _systems(block, systems, source, 1.0 if unit is None else unit.length)
-    nodes: dict[int, Array] = {}
-    axes: dict[int, Array] = {}
+            systems |= _systems(block, systems, source, 1.0 if unit is None else unit.length, columns)
+    if columns and any(one.number == 2420 for one in found):
+        warnings.append(f"{source}: the axes of dataset 2420 are read as columns, as {writer} writes them")
+    nodes, axes = dict[int, Array](), dict[int, Array]()
     functions, modes, over = list[Function](), list[Mode](), Counter[str]()
     for block, unit in zip(found, units, strict=True):
         if block.number in (15, 781, 2411):
@@ -187,10 +208,10 @@ def read(path: Path) -> ModalFile:
         elif block.number in (55, 2414) and (mode := _mode(block, source)) is not None:
             modes.append(mode)
     responses = tuple(one for one in functions if one.kind == RESPONSE_FUNCTION)
-    if over and not responses:
+    if over and not (responses or modes):
         problem = f"it holds no response function (function type {RESPONSE_FUNCTION}), only {', '.join(over)}"
         raise BadInput(source, "functions", problem, "Export response functions, or state `records` if it holds time histories")
-    warnings = [f"{source}: {count} functions are passed over: {what}" for what, count in over.items()]
+    warnings += [f"{source}: {count} functions are passed over: {what}" for what, count in over.items()]
     return ModalFile(
         source=source,
         nodes=nodes,
@@ -248,13 +269,13 @@ def _numbers(text: str, count: int, what: str, source: str) -> Array:
     return found
 
 
-def _system(line: str, start: int, what: str, source: str) -> int:
-    """The number of a system; blanks are 0, the global one."""
-    return int(column(line, start, 10, int, what, source)) if line[start : start + 10].strip() else 0
+def _whole(line: str, start: int, what: str, source: str, width: int = 10) -> int:
+    """A whole number; blanks are 0, as Fortran reads them: of systems the global one."""
+    return int(column(line, start, width, int, what, source)) if line[start : start + width].strip() else 0
 
 
-def _systems(block: Dataset, known: Mapping[int, System], source: str, length: float) -> dict[int, System]:
-    """Of dataset 18 (in one of `known`: origin, a point on x, one in the plane xz) or 2420 (axes as rows, then origin)."""
+def _systems(block: Dataset, known: Mapping[int, System], source: str, length: float, columns: bool) -> dict[int, System]:
+    """Of dataset 18 (in one of `known`: origin, a point on x, one in the plane xz) or 2420 (axes as rows or `columns`)."""
     what, each = f"dataset {block.number}", 4 if block.number == 18 else 6
     lines = list(block.lines[0 if block.number == 18 else 2 :])
     while lines and not lines[-1].strip():
@@ -262,7 +283,7 @@ def _systems(block: Dataset, known: Mapping[int, System], source: str, length: f
     if len(lines) % each:
         raise BadInput(source, what, "is cut short", DAMAGED)
     found: dict[int, System] = {}
-    numbered = {*known, *(_system(line, 0, what, source) for line in lines[::each])}
+    numbered = {*known, *(_whole(line, 0, what, source) for line in lines[::each])}
     for k in range(0, len(lines), each):
         number, kind = (int(column(lines[k], start, 10, int, what, source)) for start in (0, 10))
         numbers = _numbers(" ".join(lines[k + 2 : k + each]), 9 if block.number == 18 else 12, what, source).reshape(-1, 3)
@@ -272,11 +293,11 @@ def _systems(block: Dataset, known: Mapping[int, System], source: str, length: f
             rows = np.array([x, y, np.cross(x, y)])
             rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), np.finfo(np.float64).tiny)
         else:
-            rows, origin = numbers[:3], numbers[3]
+            rows, origin = numbers[:3].T if columns else numbers[:3], numbers[3]
         if not np.allclose(rows @ rows.T, np.eye(3), atol=1e-4):
             raise BadInput(source, what, f"the axes of system {number} are no right angles", CARTESIAN_SYSTEMS)
         origin, rows = origin * length, rows / np.linalg.norm(rows, axis=1, keepdims=True)
-        reference = _system(lines[k], 20, what, source) if block.number == 18 else 0
+        reference = _whole(lines[k], 20, what, source) if block.number == 18 else 0
         if reference != number and reference in numbered:
             of, start, turn = {**known, **found}.get(reference, (None, origin, rows))
             if of != CARTESIAN:
@@ -300,7 +321,7 @@ def _nodes(
     for head, text in pairs:
         at = _numbers(text, 3, what, source)
         number = int(column(head, 0, 10, int, what, source))
-        defined, moved = (_system(head, start, what, source) for start in (10, 20))
+        defined, moved = (_whole(head, start, what, source) for start in (10, 20))
         for used in (moved, defined if block.number == 15 else moved):
             if used in systems and systems[used][0] not in (CARTESIAN, CYLINDRICAL):
                 raise BadInput(source, what, f"node {number} is in system {used}, of type {systems[used][0]}", CARTESIAN_SYSTEMS)
@@ -322,8 +343,8 @@ def _nodes(
         yield number, place, None if np.allclose(rows, np.eye(3), atol=1e-6) else rows
 
 
-def _function(block: Dataset, source: str, per_newton: float | None) -> Function | str:
-    """A function, or in words what it is where it is none that is used; `per_newton` is [m/N] of dataset 164."""
+def _function(block: Dataset, source: str, stated: float | None) -> Function | str:
+    """A function, or in words what it is where it is none that is used; `stated` is [m/N] of dataset 164."""
     name = uff.title(block.lines[0], block.index)
 
     def refused(problem: str, remedy: str) -> BadInput:
@@ -341,76 +362,59 @@ def _function(block: Dataset, source: str, per_newton: float | None) -> Function
     response, reference = (_at(head, at, at + 10, name, source) for at in (41, 66))
     if "rotation" in (response.axis, reference.axis):
         return "about an axis of rotation"
-    data, count, even = (int(column(block.lines[6], start, 10, int, name, source)) for start in (0, 10, 20))
-    if kind == RESPONSE_FUNCTION and data not in uff.COMPLEX:
+    frequency, values = uff.curve(block, name, source, files.FREQUENCIES)
+    if kind == RESPONSE_FUNCTION and not np.iscomplexobj(values):
         raise refused("is real, and a complex response function is needed", "Export real and imaginary part")
     if re.search(r"\bdb\b", block.lines[8][25:68].lower()):
         raise refused("is labelled in dB, whose phase is no imaginary part", "Export real and imaginary part")
-    axis = block.lines[7][47:67].strip().lower()
-    hertz = 1 / (2 * np.pi) if "rad" in axis else 1e3 if axis == "khz" else 1.0
-    if along not in (*UNSAID, FREQUENCY) or "rpm" in axis:
+    axis = uff.label(block.lines[7]).lower()
+    if along not in (*UNSAID, uff.FREQUENCY) or "rpm" in axis or ("rad" in axis and axis not in files.FREQUENCIES):
         raise refused(f"runs along data type {along}, {axis!r}, where frequency is read", "Export functions of frequency")
-    rows = block.numbers.reshape(count, -1)
-    if even:
-        start, step = (column(block.lines[6], at, 13, float, name, source) for at in (30, 43))
-        if not (abs(start) < files.LARGEST and 0 < step < files.LARGEST):
-            raise refused(f"has the abscissa {start:g} + {step:g} k", DAMAGED)
-        frequency = np.asarray(start + step * np.arange(count), dtype=np.float64)
-    else:
-        frequency, rows = rows[:, 0], rows[:, 1:]
-    frequency = hertz * frequency
     files.require_lines(frequency, source, name)
-    values = files.as_complex(rows[:, 0], rows[:, 1]) if data in uff.COMPLEX else rows[:, 0].astype(np.complex128)
     if not np.all(np.isfinite(values)):
         raise refused("holds NaN or infinity", "Leave these lines out")
-    quantity, factor, doubt = QUANTITIES.get(below if inverted else above, ""), per_newton, ""
-    for way in (False, True) if inverted is None else (inverted,):
-        labelled, says = _label(block, way, source)
-        if labelled:
-            inverted = way
-            break
-    if labelled and factor is not None and abs(says / factor - 1) > SAME_UNIT:
-        doubt = f"labels its numbers as {says:g} {PER_NEWTON[labelled]}, and dataset 164 says {factor:g}"
-    elif labelled and quantity and labelled != quantity:
-        doubt = f"is of {quantity} by its data type, and of {labelled} by its label"
-    elif labelled:
-        quantity, factor = labelled, says
+    printed, quantity = [uff.label(block.lines[line]) for line in (8, 9)], QUANTITIES.get(below if inverted else above, "")
+    unit = unit_of(printed, quantity, stated, inverted)
     return Function(
         kind=kind,
         response=response,
         reference=reference,
-        quantity=quantity,
-        inverted=inverted,
         frequency=frequency,
-        values=values,
-        factor=factor,
-        doubt=doubt if kind == RESPONSE_FUNCTION else "",
+        values=values.astype(np.complex128),
+        unit=unit if kind == RESPONSE_FUNCTION else replace(unit, doubt=""),
     )
 
-
-FREQUENCY = 18
-"""Specific data type of an abscissa."""
 
 SAME_UNIT = 1e-3
 """Relative difference up to which two ways to say a unit say the same: factors of dataset 164 have more digits."""
 
 
-def _label(block: Dataset, inverted: bool, source: str) -> tuple[str, float]:
-    """The quantity per newton that the labels of the ordinate name, and what one of its unit is in SI; an empty word for none."""
-    printed = [block.lines[line][47:67].strip().replace("\ufffd", "^2") for line in (8, 9)]
-    over, under = (re.sub(r"(?<=s)2\b", "^2", one) for one in printed)
-    whole = [over, f"({over})/({under})"]
-    for text in [f"1/({one})" for one in whole] if inverted else whole:
-        try:
-            return toml_file.unit_among(text, PER_NEWTON, source=source, field="label")
-        except BadInput:
-            continue
-    return "", 1.0
+def unit_of(printed: Sequence[str], quantity: str, stated: float | None, inverted: bool | None) -> Unit:
+    """By the labels `printed` at numerator and denominator, the `quantity` of a data type and what dataset 164 has `stated` [SI].
+
+    A unit that only one of the labels has is over SI, or SI over it.
+    """
+    over, under = map(text_table.plain, printed)
+    for way in ((False, True) if inverted is None else (inverted,)) if any(printed) else ():
+        response, force = (under, over) if way else (over, under)
+        parts = f"({response or PER_NEWTON.get(quantity, '').removesuffix('/N')})/({force or 'N'})"
+        for text in (f"1/({over})" if way else over, parts):
+            try:
+                labelled, says = toml_file.unit_among(text, PER_NEWTON, source="", field="")
+            except BadInput:
+                continue
+            doubt = ""
+            if stated is not None and abs(says / stated - 1) > SAME_UNIT:
+                doubt = f"labels its numbers as {says:g} {PER_NEWTON[labelled]}, and dataset 164 says {stated:g}"
+            elif quantity and labelled != quantity:
+                doubt = f"is of {quantity} by its data type, and of {labelled} by its label"
+            return Unit(quantity=quantity if doubt else labelled, inverted=way, factor=says, doubt=doubt)
+    doubt = f"labels its numbers {printed[0]!r} over {printed[1]!r}, which is no unit known here"
+    return Unit(quantity=quantity, inverted=inverted, factor=stated, doubt=doubt if any(printed) and stated is None else "")
 
 
 def _at(head: str, node: int, direction: int, name: str, source: str) -> NodeAxis:
-    number = int(column(head, node, 10, int, name, source))
-    along = int(column(head, direction, 4, int, name, source))
+    number, along = _whole(head, node, name, source), _whole(head, direction, name, source, 4)
     if abs(along) > 6:
         raise BadInput(source, name, f"is along the direction {along}, where 1 to 3 (x, y, z) are read", DAMAGED)
     if abs(along) > 3:
@@ -419,7 +423,7 @@ def _at(head: str, node: int, direction: int, name: str, source: str) -> NodeAxi
 
 
 def _mode(block: Dataset, source: str) -> Mode | None:
-    """A mode; None for what a dataset 2414 holds besides."""
+    """A mode; None for what else such a dataset holds."""
     name = f"dataset {block.index + 1}"
 
     def refused(problem: str, remedy: str = DAMAGED) -> BadInput:
@@ -430,7 +434,8 @@ def _mode(block: Dataset, source: str) -> Mode | None:
     if len(lines) < body + 2:
         raise refused("is cut short")
     analysis, result, data, each = (int(column(lines[kinds], at, 10, int, name, source)) for at in (10, 30, 40, 50))
-    if newer and (column(lines[2], 0, 10, int, name, source) != 1 or analysis not in MODES or result not in QUANTITIES):
+    elsewhere = newer and (column(lines[2], 0, 10, int, name, source) != 1 or analysis not in MODES)
+    if elsewhere or result not in (QUANTITIES if newer else (*QUANTITIES, *UNSAID)):  # such as modes of strain
         return None
     numbers = [column(lines[real], at, 13, float, name, source) for at in range(0, 78, 13) if lines[real][at : at + 13].strip()]
     if newer and analysis != NORMAL_MODE:
@@ -448,10 +453,12 @@ def _mode(block: Dataset, source: str) -> Mode | None:
     else:
         raise refused(f"has the analysis type {analysis}, where 2, 3 or 7 (modes) are read", "Export the modes")
     if not abs(damping) < 1:
-        raise refused(f"has the damping ratio {damping:g}, where a share below 1 is read", "Export it as a share, 0.01 for 1 %")
+        remedy = "Export it as a share, 0.01 for 1 %; both parts of the eigenvalue of a complex mode, in rad/s"
+        raise refused(f"has the damping ratio {damping:g}, where a share below 1 is read", remedy)
     parts = 2 if data in uff.COMPLEX else 1
     if each not in (3, 6) or not 0 < frequency < files.LARGEST:
-        raise refused(f"has {each} numbers a node and {frequency:g} Hz, where 3 or 6 and a positive frequency are read")
+        problem = f"has {each} numbers a node and {frequency:g} Hz, where 3 or 6 and a positive frequency are read"
+        raise refused(problem, "Export motions of elastic modes, without those of the rigid body")
     nodes, rows, place = [], [], body
     per_node = -(-each * parts // 6)  # lines of six numbers
     while place < len(lines) and lines[place].strip():

@@ -844,3 +844,81 @@ def _folder(data: Path, name: str) -> Path:
     if not (data / name).is_dir():
         pytest.skip(f"{data / name} is absent; data/README.md of the shared folder says where it comes from")
     return data / name
+
+
+ONE = {"drive": "a", "responses": ["b"]}
+
+
+def table_of(*head: str, separator: str = "\t", ends: str = "") -> str:
+    """One function as real and imaginary part under the lines of `head`."""
+    rows = [
+        separator.join(map(repr, row)) + ends
+        for row in zip(F.tolist(), functions()["a", "b"].real.tolist(), functions()["a", "b"].imag.tolist(), strict=True)
+    ]
+    return "\n".join([*head, *rows]) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("header", "scale", "quantity"),
+    [
+        ("Frequency [Hz]\tReal [g/N]\tImag [g/N]", 9.80665, "acceleration"),
+        ("f (Hz)\tReal (mm/s2/N)\tImag", 1e-3, "acceleration"),
+        ("[ Hz ]\t[ mm/s/N ]\t[ mm/s/N ]", 1e-3, "velocity"),
+        ("f\tReal (left)\tImag (left)", 1.0, "acceleration"),
+    ],
+)
+def test_units_in_brackets_of_a_header_count(tmp_path: Path, header: str, scale: float, quantity: str) -> None:
+    """They had been taken for part of a name, and the numbers for SI."""
+    (tmp_path / "x.txt").write_text(table_of(header))
+    found = read(tmp_path, described(file="x.txt", **ONE))
+    assert_allclose(found.values[0, :, 0], scale * functions()["a", "b"])
+    assert found.quantity == quantity
+    if scale != 1:
+        with pytest.raises(BadInput, match="`unit`: is 1 in SI, and the file says"):
+            read(tmp_path, described(file="x.txt", unit="m/s^2/N", **ONE))
+
+
+def test_a_header_of_another_unit_is_refused_by_name(tmp_path: Path) -> None:
+    (tmp_path / "x.txt").write_text(table_of("f [Hz]\tReal [V]\tImag [V]"))
+    with pytest.raises(BadInput, match=r"the function in Real \[V\] labels its numbers 'V'.* unit = \"g/N\""):
+        read(tmp_path, described(file="x.txt", **ONE))
+    (tmp_path / "x.txt").write_text(table_of("f [rpm]\tReal\tImag"))
+    with pytest.raises(BadInput, match=r"`frequency`: is in 'rpm', where hz"):
+        read(tmp_path, described(file="x.txt", **ONE))
+
+
+@pytest.mark.parametrize(("unit", "scale"), [("kHz", 1e3), ("rad/s", 1 / (2 * np.pi))])
+def test_an_axis_is_in_the_unit_of_its_header(tmp_path: Path, unit: str, scale: float) -> None:
+    (tmp_path / "x.txt").write_text(table_of(f"f [{unit}]\tReal\tImag"))
+    assert_allclose(read(tmp_path, described(file="x.txt", **ONE)).frequency, scale * F)
+
+
+def test_records_in_text_are_in_the_units_of_their_header(tmp_path: Path) -> None:
+    noise = np.random.default_rng(5).standard_normal(2000)
+    written(
+        tmp_path, "x.csv", [np.arange(2000.0).tolist(), noise.tolist(), noise.tolist()], header="Time (ms),Force (lbf),b:z [g]"
+    )
+    found = read(tmp_path, described(file="x.csv", records={"kind": "shaker", "block": 0.5}, **ONE))
+    assert_allclose(found.frequency[-1], 500)
+    assert_allclose(found.values[0, 5:-5, 0], 9.80665 / 4.4482216, rtol=1e-6)
+
+
+def test_frequencies_and_damping_of_a_table_are_in_the_units_of_its_header(tmp_path: Path) -> None:
+    (tmp_path / "m.csv").write_text("mode,f [kHz],damping (%)\n1,0.01,0.5\n2,0.02,0.8\n")
+    columns = {"file": "m.csv", "frequency": "f [kHz]", "damping": "damping (%)"}
+    found = test_file.read(tmp_path / "t.toml", {"kind": "modal-table", "article": "a", "frequencies": columns})
+    assert isinstance(found, ModalTable)
+    assert_allclose(found.frequency, [10, 20])
+    assert found.damping_ratio is not None
+    assert_allclose(found.damping_ratio, [0.005, 0.008])
+
+
+@pytest.mark.parametrize("ends", ["", "\t"])
+def test_lines_of_a_head_that_hold_a_number_are_no_rows(tmp_path: Path, ends: str) -> None:
+    """As exports of vibrometers begin, and others end every row in a separator; the first such line had been the first row."""
+    head = ["Source File Name:\tplate.svd", "Point Index:\t1", "Component:\tRoot", f"Frequency\tReal\tImag{ends}"]
+    (tmp_path / "x.txt").write_text(table_of(*head, ends=ends))
+    assert_allclose(read(tmp_path, described(file="x.txt", **ONE)).values[0, :, 0], functions()["a", "b"])
+    (tmp_path / "x.txt").write_text(table_of(*head, "0.0\t1.0", ends=ends))  # a first row that is cut short is no head
+    with pytest.raises(BadInput, match="the first row 2"):
+        read(tmp_path, described(file="x.txt", **ONE))

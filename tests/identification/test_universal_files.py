@@ -24,7 +24,8 @@ def dataset(number: int, *lines: str) -> str:
 
 
 def units(length: float = 1.0, force: float = 1.0) -> str:
-    return dataset(164, f"{1:10d}{'SI':<20}{2:10d}", f"{length:25.16E}{force:25.16E}{1.0:25.16E}", f"{273.15:25.16E}")
+    code = 1 if length == force == 1 else 9
+    return dataset(164, f"{code:10d}{'SI':<20}{2:10d}", f"{length:25.16E}{force:25.16E}{1.0:25.16E}", f"{273.15:25.16E}")
 
 
 def function(
@@ -364,3 +365,190 @@ def test_inverted_decides_only_where_the_file_says_nothing(tmp_path: Path) -> No
             read(tmp_path, parts, inverted=True)
     with pytest.raises(BadInput, match="Write inverted = true"):
         read(tmp_path, function(over=(0, "N"), under=(0, "m/s^2")))
+
+
+def test_the_axes_that_test_lab_writes_are_columns(tmp_path: Path) -> None:
+    """The same shapes exported along systems of the nodes and along the global one say so; read as rows they were mirrored."""
+    c, s = np.cos(0.4), np.sin(0.4)
+    rows = [f"{a:25.16e}{b:25.16e}{z:25.16e}" for a, b, z in [(c, 0, s), (0, 1, 0), (-s, 0, c), (0, 0, 0)]]
+    systems = dataset(2420, f"{1:10d}", "None", f"{1:10d}{0:10d}{8:10d}", "CS1", *rows)
+    nodes = dataset(
+        2411, f"{1:10d}{0:10d}{1:10d}{8:10d}", "   1.500000000000000e+000   2.000000000000000e-002   0.000000000000000e+000"
+    )
+    for writer, along in (("LMS Test.Lab Rev 15A", s), ("Simcenter Testlab Rev 21B", s), ("another program", -s)):
+        header = dataset(151, "job", "NONE", writer, "01-Nov-19 16:49:57", "01-Nov-19 16:49:57", writer, "18-Nov-19 10:30:11 ")
+        found = read(tmp_path, header, units(), systems, nodes, function(response=(1, 3)))
+        assert_allclose(np.asarray(found.responses[0].direction), [along, 0, c], atol=1e-12)
+        assert ("read as columns" in " ".join(found.warnings)) == (along > 0)
+
+
+@pytest.mark.parametrize(
+    ("over", "under", "size"),
+    [
+        *[("G", "lbf", 9.80665 / 4.4482216), ("[m/s2]", "[N]", 1), ("m/sec2", "kN", 1e-3), ("gn", "N", 9.80665)],
+        *[("\xb5m/s^2", "N", 1e-6), ("g", "", 9.80665), ("NONE", "lbf", 1 / 4.4482216)],
+    ],
+)
+def test_labels_as_analysers_print_them_are_units(tmp_path: Path, over: str, under: str, size: float) -> None:
+    """They had been passed over, and the numbers taken for SI: 9.81 and 4.45 times off, and a micrometre a million times."""
+    assert_allclose(read(tmp_path, function(over=(12, over), under=(13, under))).values[0, :, 0], size * H, rtol=1e-7)
+    upside = function(1 / H, over=(13, under), under=(12, over))
+    assert_allclose(read(tmp_path, upside, inverted=True).values[0, :, 0], size * H, rtol=1e-7)
+
+
+def test_a_label_that_is_no_unit_is_refused_until_the_test_says_the_unit(tmp_path: Path) -> None:
+    parts = function(over=(12, "EU"), under=(13, "V"))
+    with pytest.raises(BadInput, match=r"labels its numbers 'EU' over 'V'.* unit = \"g/N\""):
+        read(tmp_path, parts)
+    assert_allclose(read(tmp_path, parts, unit="g/N").values[0, :, 0], 9.80665 * H)
+    assert_allclose(read(tmp_path, units(), parts).values[0, :, 0], H)  # dataset 164 says it
+
+
+def test_a_dataset_164_that_says_si_and_the_factors_of_feet_is_refused(tmp_path: Path) -> None:
+    """As scripts copy them from an example; everything had been taken for feet."""
+    with pytest.raises(BadInput, match=r"`dataset 164`: says code 1, which is SI, and has the factors 3\.28084 and 0\.224809"):
+        read(tmp_path, units(3.28083989501312334, 0.224808943).replace(f"{9:10d}", f"{1:10d}"), function())
+
+
+def test_numbers_in_fields_of_one_width_are_read_whatever_the_width(tmp_path: Path) -> None:
+    """Loggers write the abscissa of double precision as wide as the ordinate."""
+    rows = ["".join(f"{one:20.12E}" for one in row) for row in np.column_stack([F, H.real, H.imag])]
+    uneven = function(rows=rows).replace(f"{5:10d}{len(F):10d}{1:10d}", f"{6:10d}{len(F):10d}{0:10d}")
+    assert_allclose(read(tmp_path, uneven).values[0, :, 0], H)
+    numbers = np.column_stack([H.real, H.imag]).ravel()
+    rows = ["".join(f"{one:16.8E}" for one in numbers[k : k + 4]) for k in range(0, len(numbers), 4)]
+    assert_allclose(read(tmp_path, function(rows=rows)).values[0, :, 0], H, rtol=1e-7)
+    for k in (0, 2):
+        cut = [*rows[:k], rows[k].replace("E", "", 1), *rows[k + 1 :]]
+        with pytest.raises(BadInput, match="characters where fields end"):
+            read(tmp_path, function(rows=cut))
+
+
+def test_an_axis_with_exponents_of_fortran_and_a_reference_left_blank(tmp_path: Path) -> None:
+    step = f"{F[1]:13.5E}"
+    assert_allclose(read(tmp_path, function().replace(step, step.replace("E", "D"))).frequency, F)
+    with pytest.raises(BadInput, match="names no reference node"):
+        read(tmp_path, function().replace(f" {'NONE':<10}{2:10d}{3:4d}", ""))
+
+
+KINDS = {"complex": (3, 8, 5, 3), "normal": (2, 8, 2, 3), "strain": (2, 3, 2, 3), "real pole": (3, 8, 2, 3)}
+
+
+def mode(kind: str, frequency: float, damping: float = 0.01) -> str:
+    analysis, result, data, width = KINDS[kind]
+    pole = 2 * np.pi * frequency * (-damping + 1j)
+    numbers = {"complex": [pole.real, pole.imag, 0, 1, 0, 0], "real pole": [frequency, 0, 0, 0]}.get(
+        kind, [frequency, 1, damping, 0]
+    )
+    shape = [[0, 0, 0, 0, 0, 1.5], [0, 0, 0, 0, 0, -frequency]] if data == 5 else [[0, 0, 1.5], [0, 0, -frequency]]
+    lines = [line for k, row in enumerate(shape) for line in (f"{k + 1:10d}", "".join(f"{one:13.5e}" for one in row))]
+    kinds = f"{1:10d}{analysis:10d}{2:10d}{result:10d}{data:10d}{width:10d}"
+    return dataset(55, *["NONE"] * 5, kinds, f"{2:10d}{4:10d}{1:10d}{1:10d}", "".join(f"{one:13.5e}" for one in numbers), *lines)
+
+
+def modes(folder: Path, *parts: str) -> ModalTable:
+    (folder / "m.unv").write_text("".join(parts))
+    found = test_file.read(folder / "t.toml", {"kind": "modal-table", "article": "a", "file": "m.unv"})
+    assert isinstance(found, ModalTable)
+    return found
+
+
+def test_modes_beside_indicator_functions_and_modes_of_strain_are_read(tmp_path: Path) -> None:
+    """A file with modes and functions of which none is a response function was refused; modes of strain were shapes of motion."""
+    found = modes(tmp_path, function(kind=18), mode("strain", 5), mode("complex", 10), mode("complex", 20))
+    assert_allclose(found.frequency, [10, 20], rtol=1e-4)
+    assert "of function type 18" in " ".join(found.warnings)
+    with pytest.raises(BadInput, match="no response function"):
+        read(tmp_path, function(kind=18), mode("normal", 10))
+    with pytest.raises(BadInput, match="no dataset 55 or 2414 of motions"):
+        modes(tmp_path, mode("strain", 5))
+
+
+def test_a_complex_mode_without_an_imaginary_part_and_one_at_0_hz_are_refused_by_what_they_are(tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match=r"damping ratio -1, .*; both parts of the eigenvalue of a complex mode"):
+        modes(tmp_path, mode("real pole", 97.0))
+    with pytest.raises(BadInput, match=r"0 Hz.* without those of the rigid body"):
+        modes(tmp_path, mode("normal", 0.0))
+
+
+def test_damping_of_all_modes_is_left_out_with_a_word_where_one_has_none(tmp_path: Path) -> None:
+    found = modes(tmp_path, mode("normal", 10.0), mode("normal", 20.0, 0.0))
+    assert found.damping_ratio is None
+    assert "mode 2 has no damping above zero" in " ".join(found.warnings)
+
+
+NOISE = np.random.default_rng(3).standard_normal(2048)
+
+
+def record(
+    name: str, number: int, unit: str, *, entity: str = "NONE", node: str = "0   0", axis: str = "s", kind: int = 1
+) -> str:
+    rows = ["".join(f"{one:13.5E}" for one in NOISE[k : k + 6]) for k in range(0, len(NOISE), 6)]
+    characteristics = "{:10d}    0    0    0 {:<20} {:<20}".format
+    step = 1 / 512 if axis == "s" else 1000 / 512
+    return dataset(
+        58,
+        name,
+        *["NONE"] * 4,
+        f"{kind:5d}{0:10d}{0:5d}{0:10d} {entity:<10}{node:>14} {'NONE':<10}{0:10d}{0:4d}",
+        f"{2:10d}{len(NOISE):10d}{1:10d}{0.0:13.5E}{step:13.5E}{0.0:13.5E}",
+        *(
+            characteristics(*of)
+            for of in (
+                (17, "time", axis),
+                (number, "force" if number == 13 else "answer", unit),
+                (0, "NONE", "NONE"),
+                (0, "NONE", "NONE"),
+            )
+        ),
+        *rows,
+    )
+
+
+def shaken(folder: Path, *parts: str, drive: str = "a:z", **stated: Any) -> ResponseFunctions:
+    return read(folder, *parts, drive=drive, responses=[drive], records={"kind": "shaker", "block": 1.0}, **stated)
+
+
+def test_records_are_in_the_units_of_their_labels(tmp_path: Path) -> None:
+    """Labels were not read: a sensor in g was one in m/s^2, not said."""
+    found = shaken(tmp_path, record("force", 13, "lbf"), record("a:z", 12, "g"))
+    assert_allclose(found.values[0, 5:-5, 0], 9.80665 / 4.4482216, rtol=1e-6)
+    found = shaken(tmp_path, record("force", 13, "N"), record("a:z", 11, "mm/s"))
+    assert found.quantity == "velocity"
+    assert_allclose(found.values[0, 5:-5, 0], 1e-3, rtol=1e-6)
+    raw = record("force", 13, "V"), record("a:z", 12, "V")
+    with pytest.raises(BadInput, match=r"the record of a:z labels its numbers 'V' over 'V', which is no unit known here"):
+        shaken(tmp_path, *raw)
+    assert_allclose(shaken(tmp_path, *raw, unit="g/N").values[0, 5:-5, 0], 9.80665, rtol=1e-6)
+    with pytest.raises(BadInput, match=r"the record of a:z labels its numbers as 9\.80665 m/s\^2/N, and dataset 164 says 1"):
+        shaken(tmp_path, units(), record("force", 13, "N"), record("a:z", 12, "g"))
+
+
+def test_records_whose_first_id_lines_are_alike_are_told_by_entity_or_node(tmp_path: Path) -> None:
+    columns = {"force": "Hammer", "a:z": "Acc"}
+    named = record("Throughput", 13, "N", entity="Hammer"), record("Throughput", 12, "m/s^2", entity="Acc")
+    assert_allclose(shaken(tmp_path, *named, columns=columns).values[0, 5:-5, 0], 1, rtol=1e-6)
+    placed = record("NONE", 13, "N", node="3   3"), record("NONE", 12, "m/s^2", node="3   3")
+    found = shaken(tmp_path, *placed, drive="node 3:z", columns={"force": "3 3 force", "node 3:z": "3 3 answer"})
+    assert_allclose(found.values[0, 5:-5, 0], 1, rtol=1e-6)
+    with pytest.raises(BadInput, match="neither entity nor node tells the functions apart"):
+        shaken(tmp_path, record("NONE", 12, "g"), record("NONE", 12, "g"))
+
+
+def test_records_in_milliseconds_and_those_of_a_general_type_are_records(tmp_path: Path) -> None:
+    for about in ({"axis": "ms"}, {"kind": 0}):
+        found = shaken(tmp_path, record("force", 13, "N", **about), record("a:z", 12, "m/s^2", **about))  # type: ignore[arg-type]
+        assert_allclose(found.frequency[-1], 256)
+
+
+def test_a_file_that_names_responses_alone_takes_the_drive_of_the_test(tmp_path: Path) -> None:
+    """As vibrometers and hammers leave it; such a file was refused whatever the test said."""
+    parts = function(reference=(0, 0)), function(2 * H, response=(5, 3), reference=(0, 0))
+    found = read(tmp_path, *parts, drive="tip:-z")
+    assert [one.name for one in (*found.drives, *found.responses)] == ["tip-z", "node-1-z", "node-5-z"]
+    assert_allclose(found.values[0, :, 1], 2 * H)
+    with pytest.raises(BadInput, match=r"names no reference node.* Write drive = \"tip:z\""):
+        read(tmp_path, *parts)
+    upside = function(1 / H, over=(13, "NONE"), under=(12, "NONE"), reference=(0, 0))
+    with pytest.raises(BadInput, match="names no reference node"):  # there it is the response that has no place
+        read(tmp_path, upside, drive="tip:z", inverted=True)

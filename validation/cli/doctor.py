@@ -22,7 +22,7 @@ NEEDED_FOR = {
 }
 """What a command that lacks the extra cannot do."""
 
-CORE = ("numpy", "scipy", "pin", "trimesh", "libigl", "h5py", "manifold3d", "matplotlib", "plotly", "pyuff")
+CORE = ("numpy", "scipy", "pin", "trimesh", "libigl", "h5py", "manifold3d", "matplotlib", "plotly")
 """Libraries of the core whose version says most."""
 
 

@@ -499,7 +499,7 @@ def print_to(page: Path, path: Path, program: str) -> None:
 
 PROGRAMS = (
     *("massline", "numpy", "scipy", "plotly", "pyvista", "vtk", "matplotlib", "exudyn", "pin", "cadquery", "cadquery-ocp"),
-    *("trimesh", "gmsh", "scikit-fem", "h5py", "joblib", "libigl", "manifold3d", "pillow", "pint", "pyuff", "pyyeti"),
+    *("trimesh", "gmsh", "scikit-fem", "h5py", "joblib", "libigl", "manifold3d", "pillow", "pint", "pyyeti"),
     *("tomlkit", "uncertainties"),
 )
 """Whose versions stand in the report where they are installed, beside Python's: what reads, computes or draws what is on it."""
