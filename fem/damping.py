@@ -140,8 +140,7 @@ def damping_per_mode(damping: Damping, omega: Array) -> Array:
     ------
     BadInput : a ratio or modal matrix of another number of modes.
     """
-    count = len(omega)
-    ratio = np.asarray(0.0 if damping.ratio is None else damping.ratio, dtype=np.float64)
+    count, ratio = len(omega), np.asarray(0.0 if damping.ratio is None else damping.ratio, dtype=np.float64)
     if ratio.ndim and ratio.shape != (count,):
         problem = f"one value or one for each of the {count} modes is needed, found {ratio.size}"
         raise _bad("ratio", problem, "Give one ratio for all modes, or ask for as many modes as there are ratios")

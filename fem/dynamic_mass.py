@@ -94,8 +94,7 @@ def direct(
         X = solve(held.load.astype(np.complex128))
         if per_mode is not None:  # it enters by Woodbury's identity
             B, modal_viscous = per_mode
-            Y = solve(B.astype(np.complex128))
-            core = 1j * omega * modal_viscous
+            Y, core = solve(B.astype(np.complex128)), 1j * omega * modal_viscous
             X = X - Y @ np.linalg.solve(np.eye(len(core)) + core @ (B.T @ Y), core @ (B.T @ X))
         H[line] = structure.rigid_mass + omega**2 * (held.load.T @ X)
     return DynamicMass(frequency=lines, matrix=_finite(H, lines), reference_point=structure.reference_point)

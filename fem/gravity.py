@@ -59,8 +59,7 @@ def geometric(structure: Structure, storeys: Mapping[str, Storey], vertical: int
     """
     from scipy.sparse import csr_array
 
-    made = {}
-    lateral = [axis for axis in range(3) if axis != vertical]
+    made, lateral = {}, [axis for axis in range(3) if axis != vertical]
     for part, storey in storeys.items():
         field = f"fe_model.storeys.{part}"
         if part not in structure.part_stiffness:
@@ -93,8 +92,7 @@ def carried(structure: Structure, part: str, axis: int = 0) -> float:
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import connected_components
 
-    free = structure.free
-    drift = np.zeros(structure.mass.shape[0])
+    free, drift = structure.free, np.zeros(structure.mass.shape[0])
     drift[free] = structure.rigid[free, axis]
     left = csr_array(structure.stiffness - structure.part_stiffness[part])
     left.data[np.abs(left.data) <= FLOATING * np.abs(structure.stiffness).max()] = 0.0

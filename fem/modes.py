@@ -68,8 +68,7 @@ def condensed(
     factor : of the stiffness, if there is one already
     factoriser : name as in `fem.factorisers`
     """
-    n = shapes.shape[1]
-    loads = np.hstack([held.mass @ shapes, held.load])
+    n, loads = shapes.shape[1], np.hstack([held.mass @ shapes, held.load])
     if greatest > MODERATE or held.free.size <= FEW:
         whole = factorise((held.stiffness + 1j * S).tocsc(), name=None if factoriser == "cholmod" else factoriser)
         X: ComplexArray = np.asarray(whole.solve(loads.astype(np.complex128)), dtype=np.complex128)
@@ -217,8 +216,7 @@ def _iterated(K: Sparse, M: Sparse, count: int, shift: float, solve: Callable[[A
 
     size = K.shape[0]
     start = inverse(M @ np.random.default_rng(0).standard_normal(size))  # M first: a massless direction has no place in it
-    operator = LinearOperator(K.shape, matvec=inverse, dtype=np.float64)
-    ncv = min(size, max(2 * count + 1, 20))
+    operator, ncv = LinearOperator(K.shape, matvec=inverse, dtype=np.float64), min(size, max(2 * count + 1, 20))
     try:
         return _sorted(*eigsh(K, count, M=M, sigma=shift, OPinv=operator, v0=start, ncv=ncv, tol=CONVERGED))
     except ArpackNoConvergence as error:
@@ -248,8 +246,7 @@ def largest_left(M: Sparse, vectors: Array, solve: Callable[[Array], Array]) -> 
         elif norm == 0.0:
             return 0.0
         vector = vector / norm
-        basis = np.column_stack([basis, vector])
-        weighed = M @ vector
+        basis, weighed = np.column_stack([basis, vector]), M @ vector
         vector = solve(weighed)
         diagonal.append(float(weighed @ vector))
     return float(eigh_tridiagonal(diagonal, beside, eigvals_only=True)[-1])

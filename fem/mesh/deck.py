@@ -12,22 +12,29 @@ import numpy as np
 
 from fem.mesh import files
 from fem.mesh.constraints import Term
-from fem.mesh.deck_content import ALL, TRANSLATIONS, Deck, Elastic, numbers_of, read_cards
+from fem.mesh.deck_content import ALL, TRANSLATIONS, Deck, Elastic, read_cards
 from fem.mesh.deck_keywords import read_keywords
 from fem.mesh.deck_text import NotThere, naming
 from fem.mesh.description import SEAM
+from fem.mesh.files import numbers_of
 from fem.user_model.units import KNOWN, UnitSystem, unit_system
 from geometry import toml_file
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
+from geometry.inertia import ROUNDING, six_from_tensor
 from geometry.toml_file import STANDARD_GRAVITY
 
 ELASTIC, DENSE, SOUND = (1e6, 1.3e12), (5.0, 22_600.0), (30.0, 14_000.0)
 """Young's modulus [Pa], density [kg/m³] and speed of sound [m/s] between which materials lie, from soft rubber and foam to
 diamond and osmium: units in which a deck's materials are outside are not its own. Held by test_deck.py."""
 
-METALLIC = (3000.0, 12e9)
-"""Density [kg/m³] above which a material is metal or ceramic, and the modulus [Pa] of the softest, lead. Held there, too."""
+NONE = ((0.0, 1000.0, 18e9, np.inf), (3000.0, np.inf, 0.0, 12e9), (5000.0, 10_000.0, 0.0, 30e9))
+"""Densities [kg/m³] and moduli [Pa] from and to between which there is no material: what swims and is stiffer than the best wood,
+metal or ceramic softer than lead, and metal but lead and gold softer than tin. Held there, too."""
+
+OF_METALS = ("mm-kgf-s", 2600.0, 9000.0, 60e9)
+"""A system in which the wood of others is a metal, the densities [kg/m³] from aluminium to copper that it is taken for, and the
+least modulus [Pa] of those, cast. Held there, too."""
 
 CORE = 0.02
 """[1] Modulus of layers, as a share of the stiffest material's, below which they are a core. By definition."""
@@ -70,6 +77,8 @@ def read(path: Path) -> Deck:
         field = f"line {line.number}" if line.number else ""
         remedy = "Correct it, or take it out: solvers stop there, or pass it over"
         raise BadInput(str(line.file), field, problem, remedy) from None
+    except BadInput:
+        raise
     except (ValueError, IndexError, KeyError, ArithmeticError) as error:
         problem = f"a record of it cannot be read: {type(error).__name__}, {error}"
         raise BadInput(str(path), "", problem, "Check the deck; it may be cut short or damaged") from None
@@ -81,7 +90,8 @@ def _system(deck: Deck, source: str, named: str | None) -> UnitSystem:
         what = "no material states a density" if deck.materials else "it has no material that is known here"
         itself = f'describe it: [fe_model] with kind = "mesh", file = "{Path(source).name}" and materials of its groups'
         raise BadInput(source, "", what, f"Masses are asked for: write a deck with densities, or {itself}")
-    known = [unit_system(name, source) for name in KNOWN] if named is None else [unit_system(named, source, "--units")]
+    names = (*KNOWN, OF_METALS[0]) if named is None else (named,)
+    known = [unit_system(name, source, *(["--units"] if named else [])) for name in names]
     fitting = [one for one in known if _believed(deck, one)]
     g = {one.name: STANDARD_GRAVITY * one.time**2 / one.length for one in known}
     weights = [one.name for one in known if not fitting and _believed(deck, one, 1 / g[one.name])]
@@ -91,7 +101,7 @@ def _system(deck: Deck, source: str, named: str | None) -> UnitSystem:
         raise BadInput(source, "", problem, remedy.format(own, deck.weight / own))
     if named is not None or len(fitting) == 1:
         return (fitting or known)[0]
-    which = " and ".join(one.name for one in fitting) or f"none of {', '.join(KNOWN)}"
+    which = " and ".join(one.name for one in fitting) or f"none of {', '.join(one.name for one in known)}"
     weighed = f"; in {' and '.join(weights)} its densities would be weights" if weights else ""
     problem = f"its units cannot be told: {which} make known materials of what it states{weighed}"
     raise BadInput(source, "", problem, "Name them, as in --units mm-t-N-s")
@@ -99,17 +109,16 @@ def _system(deck: Deck, source: str, named: str | None) -> UnitSystem:
 
 def _believed(deck: Deck, system: UnitSystem, share: float = 1.0) -> bool:
     """Whether the materials of the deck are some when it is in `system`, and this `share` of its densities are masses."""
-    heaviest, stiffest = 0.0, max((one.modulus for one in deck.materials.values()), default=0.0)
+    heaviest, stiffest = 0.0, max((one.modulus for one in deck.materials.values() if not one.equivalent), default=0.0)
     for one in deck.materials.values():
-        if one.shear and one.modulus < CORE * stiffest:
+        if one.equivalent or (one.shear and one.modulus < CORE * stiffest):
             continue
         E = one.modulus * system.mass / (system.length * system.time**2)
         rho = share * one.density * deck.weight * system.mass / system.length**3
-        if not ELASTIC[0] <= E <= ELASTIC[1]:
-            return False
-        if rho > METALLIC[0] and METALLIC[1] > E:
-            return False
-        if rho and not (DENSE[0] <= rho <= DENSE[1] and SOUND[0] <= np.sqrt(E / rho) <= SOUND[1]):
+        known = ELASTIC[0] <= E <= ELASTIC[1] and DENSE[0] <= (rho or DENSE[0]) <= DENSE[1]
+        known = known and (not rho or SOUND[0] <= np.sqrt(E / rho) <= SOUND[1])
+        metal = not rho or system.name != OF_METALS[0] or (OF_METALS[1] < rho < OF_METALS[2] and OF_METALS[3] < E)
+        if not (known and metal) or any(rho > light and rho < dense and soft < E < stiff for light, dense, soft, stiff in NONE):
             return False
         heaviest = max(heaviest, rho)
     return heaviest >= HEAVY
@@ -196,8 +205,7 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
     grounded = bool(holds) or any(len(one.ends) == 1 for one in deck.springs.values())
     pressure, density = system.mass / (system.length * system.time**2), deck.weight * system.mass / system.length**3
     mass, stiffness = deck.weight * system.mass, system.mass / system.time**2
-    scale = {"area": 2, "Iy": 4, "Iz": 4, "J": 4, "Iyz": 4}
-    unit = {1: "m", 2: "m^2", 4: "m^4"}
+    scale, unit = {"area": 2, "Iy": 4, "Iz": 4, "J": 4, "Iyz": 4}, {1: "m", 2: "m^2", 4: "m^4"}
     tables: list[tuple[str, dict[str, str]]] = []
 
     def metres(lengths: Iterable[float], digits: int = 9) -> str:
@@ -273,13 +281,14 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
     for letters, held in holds.items():
         where = toml_file.string("-".join(MOTIONS[int(letter) - 1] for letter in letters))
         tables.append((f"holds.{where}", {"nodes": named(held), "directions": _directions(letters)}))
-    for name, (node, rider) in deck.masses.items():
-        table = {"at": at(node), "mass": f'"{rider.mass * mass:.9g} kg"'}
-        if np.any(rider.cog):
-            table["cog"] = metres(rider.cog.tolist())
-        if np.any(rider.moments):
-            (xx, xy, xz), (_, yy, yz), (*_, zz) = (rider.moments * mass * system.length**2).tolist()
-            table["moments"] = _listed(f'"{one:.9g} kg m^2"' for one in (xx, yy, zz, xy, xz, yz))
+    for name, (node, body) in deck.masses.items():
+        table = {"at": at(node), "mass": f'"{body.mass * mass:.9g} kg"'}
+        if np.any(body.cog):
+            table["cog"] = metres(body.cog.tolist())
+        moments = np.where(np.abs(body.tensor_cog) > ROUNDING * np.abs(body.tensor).max(), body.tensor_cog, 0.0)
+        if moments.any():
+            turns = six_from_tensor(moments * mass * system.length**2).tolist()
+            table["moments"] = _listed(f'"{one:.9g} kg m^2"' for one in turns)
         tables.append((f"masses.{toml_file.string(name)}", table))
     for name, spring in deck.springs.items():
         factors = [stiffness] * 3 + [stiffness * system.length**2] * 3

@@ -12,9 +12,10 @@ import numpy as np
 from fem.beam.elements import SIZES, plated
 from fem.mesh import constraints, files
 from fem.mesh.constraints import Motion, Sum, Term
-from fem.mesh.deck_text import BASIC, Coordinates, NotThere, Points, deck_lines, real
-from fem.mesh.files import MeshFile, cards, own_property
+from fem.mesh.deck_text import BASIC, Coordinates, Points, deck_lines, real
+from fem.mesh.files import MeshFile, cards, numbers_of, own_property
 from geometry.frames import Array, axes_along
+from geometry.inertia import Inertia
 
 ALIKE = 1e-6
 """Sine of the angle of two directions, and relative difference of two sections, that are the same to a deck's digits."""
@@ -31,10 +32,6 @@ OF_FOUR: Mapping[str, tuple[str, Callable[..., list[float]]]] = {
 }
 """Sections of Nastran that are others by other sizes, or upside down."""
 
-HELD_AS = {"ENCASTRE": "123456", "PINNED": "123", "XSYMM": "156", "YSYMM": "246", "ZSYMM": "345"}
-"""What Abaqus calls freedoms that are held together."""
-
-
 Row = Sequence[str]
 """Fields of a card, or some of them."""
 
@@ -42,7 +39,8 @@ Row = Sequence[str]
 @dataclass(frozen=True, kw_only=True)
 class Elastic:
     """A material as the deck has it: modulus, Poisson's ratio and density in its own units, and its loss factor; where it has
-    fibres the modulus is along them, `across` is that across, and `shear` is of 12, and of 13 and 23 where that gives."""
+    fibres the modulus is along them, `across` is that across, and `shear` is of 12, and of 13 and 23 where that gives. None is
+    `equivalent` that a card states."""
 
     modulus: float
     poisson_ratio: float
@@ -50,6 +48,17 @@ class Elastic:
     loss_factor: float = 0.0
     across: float = 0.0
     shear: tuple[float, ...] = ()
+    equivalent: bool = False
+
+    @property
+    def shears(self) -> tuple[float, ...]:
+        """Shear moduli 12, 13 and 23, the last two where they are known."""
+        return self.shear or 3 * (self.modulus / (2 + 2 * self.poisson_ratio),)
+
+    def resembles(self, other: "Elastic") -> bool:
+        """Whether they differ by one factor in their plane."""
+        moduli = np.array([(one.modulus, one.across, one.shears[0], one.poisson_ratio * one.modulus) for one in (self, other)])
+        return bool(np.linalg.matrix_rank(moduli, tol=ALIKE * moduli.max()) < 2)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,15 +98,6 @@ class Property:
         if "outer_diameter" in s:
             return float(np.pi / 4 * (s["outer_diameter"] ** 2 - s["inner_diameter"] ** 2))
         return s.get("area", self.thickness)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Rider:
-    """A mass at a node, in the deck's own units: its centre of gravity (3,) from there, and its inertia (3, 3) about that."""
-
-    mass: float
-    cog: Array = field(default_factory=lambda: np.zeros(3))
-    moments: Array = field(default_factory=lambda: np.zeros((3, 3)))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -153,7 +153,8 @@ class Deck:
     ----------
     mesh : its nodes, elements and groups
     materials, properties : by name or number, properties by group of elements
-    masses : node and what it carries, by name
+    weighed : matrices (6, 6) of what weighs at a node, along the axes of the model, by names of cards
+    masses : node and the body at it, from there, by name; once all is settled
     links : (independent node, groups and numbers of nodes that ride on it) by name, and the directions in which they do by
         `riding`, all where it has none
     means : nodes that follow the mean motion of others, by name
@@ -170,7 +171,8 @@ class Deck:
     mesh: MeshFile
     materials: dict[str, Elastic] = field(default_factory=dict)
     properties: dict[str, Property] = field(default_factory=dict)
-    masses: dict[str, tuple[int, Rider]] = field(default_factory=dict)
+    weighed: dict[int, dict[str, Array]] = field(default_factory=dict)
+    masses: dict[str, tuple[int, Inertia]] = field(default_factory=dict)
     links: dict[str, tuple[int, list[int | str]]] = field(default_factory=dict)
     riding: dict[str, str] = field(default_factory=dict)
     means: dict[str, Mean] = field(default_factory=dict)
@@ -212,8 +214,14 @@ class Deck:
         """
         there = set(self.mesh.node_tags.tolist())
         self._hold_along_the_axes_of_the_model()
-        self._lose_what_is_made_of_nothing()
-        named = [node for node, _ in self.masses.values()]
+        # Elements of the highest dimension without a property
+        for kind, cells in self.mesh.cells.items():
+            made = [self.mesh.groups.get(name, {}).get(kind, np.zeros(0, dtype=np.intp)) for name in self.properties]
+            none = np.delete(cells.tags, np.concatenate([np.zeros(0, dtype=np.intp), *made])).tolist()
+            if none and files.DIMENSION[kind] == max(files.DIMENSION[other] for other in self.mesh.cells):
+                self.lose(f"elements {files.joined(none, 3)}", "they have no section or property that is known here")
+        self._settle_masses()
+        named = [*self.weighed]
         named += [node for carrier, own in self.links.values() for node in (carrier, *numbers_of(self.mesh, own))]
         named += [node for one in self.means.values() for node in (one.follower, *one.shares)]
         named += [node for one in self.springs.values() for node in one.ends]
@@ -247,8 +255,7 @@ class Deck:
         structural, carried = self.numbers(1, 2, 3), {one.follower for one in self.means.values()} | self.carriers.keys()
         tied = {node for sums in self.equations.values() for one in sums for _, node, _ in one}
         tied |= {node for _, riders in self.links.values() for node in numbers_of(self.mesh, riders)}
-        bare = there - structural - carried - tied
-        heavy = {node for node, _ in self.masses.values()}
+        bare, heavy = there - structural - carried - tied, {node for node, _ in self.masses.values()}
         ends = Counter(end for one in self.springs.values() for end in one.ends)
         heavy |= {end for end, count in ends.items() if count > 1}  # from one spring to the next
         for name, one in list(self.springs.items()):
@@ -349,13 +356,26 @@ class Deck:
                     along = np.zeros(3)
                 self.held[node] = self.held[node] - set(three) | {three[k] for k in np.flatnonzero(along > 0.5)}
 
-    def _lose_what_is_made_of_nothing(self) -> None:
-        """Elements of the highest dimension without a property."""
-        for kind, cells in self.mesh.cells.items():
-            own = [self.mesh.groups.get(name, {}).get(kind, np.zeros(0, dtype=np.intp)) for name in self.properties]
-            bare = np.delete(cells.tags, np.concatenate([np.zeros(0, dtype=np.intp), *own])).tolist()
-            if bare and files.DIMENSION[kind] == max(files.DIMENSION[other] for other in self.mesh.cells):
-                self.lose(f"elements {files.joined(bare, 3)}", "they have no section or property that is known here")
+    def weigh(self, card: str, name: str, node: int, M: Array) -> None:
+        """Note a matrix (6, 6) of mass at a node, of a card of that name."""
+        if M.any():
+            self.weighed.setdefault(node, {})[name] = M
+        self.carried[card] = None
+
+    def _settle_masses(self) -> None:
+        """Each that is a body by itself stands alone, the others together where they are one, or turn with one."""
+        for node, own in self.weighed.items():
+            bodies = {name: body for name, M in own.items() if (body := _body(M)) and body.mass > 0}
+            rest = [name for name in own if name not in bodies]
+            left = _body(sum((own[name] for name in rest), np.zeros((6, 6))))
+            if left and rest and (left.mass > 0 or (bodies and not left.mass)):
+                first = next(iter(bodies), rest[0]) if not left.mass else rest[0]
+                bodies[first] = bodies[first] + left if first in bodies else left
+                rest = []
+            why = "its mass is not above zero" if left and left.mass else "no mass is at its node"
+            for name in rest:
+                self.lose(name, why if left else "its mass is not alike in all directions, as that of a body is")
+            self.masses |= {name: (node, body) for name, body in bodies.items()}
 
     def ride(self, card: str, name: str, carrier: int, components: str, riders: Sequence[int | str]) -> None:
         self.links[name], self.riding[name] = (carrier, list(riders)), components
@@ -404,11 +424,13 @@ class Deck:
         self.equations.setdefault(name, []).extend(one for one in told if one)
         self.carried[card] = None
 
-    def chosen(self, word: str, text: str, sets: Mapping[str, list[Row]]) -> list[Row]:
-        """Rows of the set of constraints, SPC or MPC by `word`, that the case control calls; the only one where it calls none."""
-        head = text.partition("BEGIN BULK")[0]
-        called = re.findall(rf"^\s*{word}\s*=\s*(\w+)", head, re.MULTILINE)
-        chosen = [one for one in dict.fromkeys(called) if one in sets] or list(sets)
+    def chosen(self, word: str, head: str, sets: Mapping[str, list[Row]], added: Collection[str]) -> list[Row]:
+        """Rows of the set of constraints, SPC or MPC by `word`, that the case control in `head` calls; the only one that no
+        other has `added` where there is none."""
+        called = dict.fromkeys(re.findall(rf"^\s*{word}\s*[=\s]\s*(\w+)\s*(?:\$.*)?$", head, re.MULTILINE))
+        chosen = [one for one in (called or sets) if one in sets and (called or one not in added)]
+        if gone := called.keys() - sets:
+            self.lose(f"{word} set {', '.join(sorted(gone))}", "the case control calls it, and it is not there")
         if sets and not called and re.search(r"^\s*CEND", head, re.MULTILINE):
             self.lose(f"{word} sets {', '.join(sets)}", "the case control calls none, and Nastran leaves them out")
             return []
@@ -440,6 +462,31 @@ class Deck:
         elif real(other):
             self.lose(name, "its stiffness in torsion")
         self.properties[group] = Property(material=material, section={"area": area}, added=added)
+
+    def shell(self, f: Sequence[str]) -> None:
+        """PSHELL: one layer that stretches as MID1 over T does, bends as MID2 by 12 I / T³, and shears as MID3 by TS / T."""
+        name, t, key = f"PSHELL {f[0]}", real(f[2]), f[1] or f[3]
+        of, bent, core = (self.materials.get(one) for one in (key, f[3], f[5]))
+        ratio, shears = real(f[4]) or 1.0, [G * real(f[6] or ".833333") * 1.2 for G in (core.shears[1:] if core else ())]
+        if of and bent and bent.resembles(of):
+            ratio *= bent.modulus / of.modulus if of.modulus else 1.0
+        elif of:
+            why = "bends by a material that is unlike MID1 or not known here" if f[3] not in ("", "-1") else "does not bend"
+            self.lose(name, f"it {why} (MID2), and bends as its thickness says here")
+        if not f[1]:
+            self.lose(name, "it has no stiffness in its plane (MID1), and has that of its bending (MID2) here")
+        if f[10]:
+            self.lose(name, "its bending is coupled with its stretching (MID4)")
+        if of and f[5] and not core:
+            self.lose(name, f"no material {f[5]} of its core is known here")
+        share, layers = float(1 / np.sqrt(ratio)), tuple[tuple[str, float, float], ...]()
+        own = of.shears[0] if of else 0.0
+        if of and (of.shear or abs(share - 1) > ALIKE or any(abs(G - own) > ISOTROPIC * own for G in shears)):
+            E1, E2, rho = (value * share for value in (of.modulus, of.across or of.modulus, of.density))
+            G, key = tuple(one * share for one in (own, *(shears if all(shears) else ()))), f"{key} in {name}"
+            self.materials[key] = replace(of, modulus=E1, across=E2, density=rho, shear=G, equivalent=True)
+            layers = ((key, t / share, 0.0),)
+        self.properties[f[0]] = Property(material=key, thickness=t / share, layers=layers, added=real(f[7]))
 
     def layered(self, card: str, f: Sequence[str]) -> None:
         """A laminate, of PCOMP with four fields a layer, of PCOMPG with eight; what they leave out is that of the one before."""
@@ -522,46 +569,6 @@ class Deck:
         means = np.trapezoid(values, x, axis=0) + values[-1] * (1 - x[-1])
         return means.tolist(), f[at:]
 
-    def beam_section(self, name: str, group: str, o: Mapping[str, str], rows: Sequence[Sequence[str]]) -> None:
-        """Along its first direction, which the second row says, a rectangle has the first of its two sizes."""
-        sizes = [real(text) for text in rows[0] if text]
-        beams = [(self.mesh.cells[kind], some) for kind, some in self.mesh.groups.get(group, {}).items()]
-        told = [one.axes is not None and not np.isnan(one.axes[k]).any() for one, some in beams for k in some]  # by its elements
-        if any(told) and not all(told):
-            self.lose(name, "which way those of its beams are turned that have a node which says it, as others have none")
-        z_axis = () if told and all(told) else tuple(real(text) for text in rows[1][:3]) if rows[1:] else (0.0, 0.0, -1.0)
-        section: dict[str, float] = {}
-        if any(real(o.get(way, "")) for way in ("OFFSET1", "OFFSET2")):
-            self.lose(name, "how far it is off its nodes (OFFSET1, OFFSET2)")
-        if o.get("SECTION", "")[:4] == "RECT":
-            section = {"width": sizes[-1], "height": sizes[0]}
-        elif o.get("SECTION") == "CIRC" and (len(sizes) == 1 or sizes[0] == sizes[1]):  # a radius, or CalculiX's two diameters
-            section = {"outer_diameter": sizes[0] * (2 if len(sizes) == 1 else 1), "inner_diameter": 0.0}
-        elif o.get("SECTION") == "PIPE":
-            section = {"outer_diameter": 2 * sizes[0], "inner_diameter": 2 * (sizes[0] - sizes[1])}
-        elif o.get("SECTION") == "BOX" and len(sizes) == 6 and sizes[2] == sizes[4] and sizes[3] == sizes[5]:
-            section = plated("BOX", (sizes[1], sizes[0], *sizes[2:4]))[0]
-        elif o.get("SECTION") == "GENERAL":
-            A, I1, I12, I2, J = map(real, [*rows[0], *5 * [""]][:5])
-            section = {"area": A, "Iy": I2, "Iz": I1, "J": J} | ({"Iyz": -I12} if I12 else {})
-        elif o.get("SECTION") == "I" and 2 * sizes[0] == sizes[1] and sizes[2] == sizes[3] and sizes[4] == sizes[5]:
-            own = plated("I", (*sizes[1:4], sizes[6], *sizes[4:6]))[0]  # which is as high as its second axis goes
-            section = own | {"Iy": own["Iz"], "Iz": own["Iy"]}
-        else:
-            self.lose(name, f"a section of kind {o.get('SECTION', 'none')}")
-        self.properties[group] = Property(material=o["MATERIAL"], section=section, z_axis=z_axis)
-
-    def boundary(self, rows: Sequence[Sequence[str]]) -> None:
-        for who, *what in rows:
-            word, last, size, *_ = (*what, "", "", "")
-            first = word if word.isdigit() else ""
-            letters = HELD_AS.get(word.upper(), "".join(map(str, range(int(first or 1), min(int(last or first or 0), 6) + 1))))
-            nodes = numbers_of(self.mesh, [int(who) if who.isdigit() else who])
-            if letters and (real(size) or not nodes):
-                self.lose(f"*BOUNDARY {who}", "held away from where it stands" if nodes else "the set has no nodes")
-            for node in nodes:
-                self.held.setdefault(node, set()).update(letters)
-
     @property
     def turning(self) -> set[int]:
         """Numbers of the nodes that turn: of shells, and of beams but not of rods."""
@@ -580,12 +587,15 @@ class Deck:
 
 _IDLE = re.compile(
     r"PARAM|EIG\w*|LOAD\w*|FORCE\d?|MOMENT\d?|GRAV|RFORCE|PLOAD\w*|TEMP\w*|[DRT]LOAD\d?|DAREA|DPHASE|DELAY|FREQ\d?|TSTEP\w*|TABLE\w*"
-    r"|TABDMP\d|TABRND\w*|SUPORT\d?|[ABCQ]SET\d?|OMIT\d?|SPOINT|CORD[12][CRS]|BAROR|BEAMOR|MATT\d|SET\d|SE[ABCQU]?SET\d?|SEELT|NLPARM|ECHOO\w+|PLOTEL\d?|USET\d?"
+    r"|TABDMP\d|TABRND\w*|SUPORT\d?|[ABCQ]SET\d?|OMIT\d?|CORD[12][CRS]|BAROR|BEAMOR|MATT\d|SET\d|SE[ABCQU]?SET\d?|SEELT|NLPARM|ECHOO\w+|PLOTEL\d?|USET\d?"
     r"|DESVAR|DRESP\d|DV\w+|DCONSTR|DOPTPRM|MKAERO\d|RANDPS|DTI|DMI|SEQGP|CSUPER|ACCEL\d?|DEFORM|SPCD|GRDSET"
     r"|MAT[45]|MATS1|AE\w+|[CP]AERO\d|SPLINE\d|MONPNT\d|TRIM|FL\w+|GUST|BSURFS?|BCPROPS?|NLPCI|MDLPRM|TICD?|DCONADD|SLOAD|LSEQ"
 )
 """Cards that neither weigh nor hold nor join in a linear structure, or are read with the mesh."""
 
+
+LATE = ("CELAS1", "CELAS2", "CMASS1", "CMASS2", "CBUSH", "RBAR", "RBAR1", "RBE1", "RJOINT", "PSHELL")
+"""Cards that others, wherever they stand, say more of."""
 
 ONE_OF_A_NUMBER = re.compile(r"MAT\d+|P(SOLID|SHELL|BARL?|BEAML?|ROD|TUBE|COMPG?|BUSH|ELAS)|CONM2|RBE\d|RBAR1?|CELAS\d|CBUSH")
 """Cards of which a solver takes one of each number."""
@@ -597,9 +607,9 @@ def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
     stated = dict(re.findall(r"^\s*PARAM\*?[\s,]+(WTMASS|G)[\s,]+([^\s,$]+)", whole, re.MULTILINE))  # also before bulk data
     deck.weight, deck.loss_factor = real(stated.get("WTMASS", "1.")), real(stated.get("G", ""))
     deck.axes = {node: axes for node in deck.points if (axes := where.freedoms(node)) is not None}
-    springs, laws, bars = list[list[str]](), dict[str, list[str]](), list[tuple[str, list[str]]]()
-    shells, together, thick = dict[str, list[str]](), dict[str, list[str]](), dict[str, None]()
+    late, laws, together = list[tuple[str, list[str]]](), dict[str, list[str]](), dict[str, list[str]]()
     several, seen = dict[str, list[Row]](), set[str]()
+    scalar, still = {0}, {0}  # points, which are not in the mesh; 0 is the ground
     for card, *own in cards(path):
         f = [*own, *(40 * [""])]
         name = f"{card} {f[0]}"
@@ -616,8 +626,6 @@ def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
             deck.materials[f[0]] = Elastic(modulus=modulus, poisson_ratio=nu, density=real(f[4]), loss_factor=real(f[7]))
         elif card == "PSOLID":
             deck.properties[f[0]] = Property(material=f[1])
-        elif card == "PSHELL":
-            shells[f[0]] = f
         elif card in ("PBAR", "PBEAM", "PBARL", "PBEAML"):
             deck.beam_property(card, f)
         elif card in ("PROD", "PTUBE", "CONROD"):
@@ -631,7 +639,8 @@ def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
         elif card in ("PBCOMP", "PLSOLID", "MAT2", "MAT9", "MAT10", "PBMSECT"):
             deck.lose(name, "no material or property that is known here; state the part by hand")
         elif card[:5] in ("CQUAD", "CTRIA") and any(f[10:14]):
-            thick[f[1]] = None
+            why = f"property {f[1]}: some of its shells have thicknesses of their own"
+            deck.lost += [why] if why not in deck.lost else []
         elif card == "CONM2":
             node, number = int(f[1]), f[2] or BASIC
             xx, yx, yy, zx, zy, zz = (real(f[k]) for k in range(8, 14))
@@ -641,22 +650,23 @@ def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
             else:
                 turned = where.system(number).directions(deck.points[node])
                 inertia, aside = turned.T @ inertia @ turned, aside @ turned
-            if (mass := real(f[3])) > 0:
-                deck.masses[name] = node, Rider(mass=mass, cog=aside, moments=inertia)
-            elif mass or inertia.any():
-                deck.lose(name, "its mass is not above zero")
-            deck.carried[card] = None
+            deck.weigh(card, name, node, Inertia.from_cog(real(f[3]), aside, inertia).mass_matrix)
+        elif card == "CONM1":
+            R, M = np.kron(np.eye(2), where.system(f[2] or BASIC).directions(deck.points[int(f[1])])), np.zeros((6, 6))
+            M[np.tril_indices(6)] = [real(text) for text in f[3:24]]
+            deck.weigh(card, name, int(f[1]), R.T @ (M + np.tril(M, -1).T) @ R)
+        elif card == "SPOINT":
+            scalar |= {int(text) for text in f if text.isdigit()}
+            scalar |= {*range(int(f[0]), int(f[2]))} if f[1].upper() == "THRU" else set()
         elif card == "RBE2":
             deck.ride(card, name, int(f[1]), f[2], _listed([text for text in f[3:] if "." not in text], name, deck))  # no ALPHA
-        elif card in ("RBAR", "RBAR1", "RBE1", "RJOINT"):
-            bars.append((card, f))
         elif card == "RBE3":
             deck.spread(name, own)
-        elif card in ("CELAS1", "CELAS2", "CBUSH"):
-            springs.append([card, *f])
-        elif card in ("PELAS", "PBUSH"):
-            laws[f"{card} {f[0]}"] = f
-            laws |= {f"{card} {f[4]}": f[4:]} if card == "PELAS" and f[4] else {}
+        elif card in LATE:
+            late.append((card, f))
+        elif card in ("PELAS", "PMASS", "PBUSH"):
+            step = {"PELAS": 4, "PMASS": 2, "PBUSH": 8}[card]
+            laws |= {f"{card} {f[k]}": f[k:] for k in range(0, 8, step) if f[k]}
         elif card == "SPC1":
             fixed.setdefault(f[0], []).append([f[1], *map(str, _listed(f[2:], name, deck))])
         elif card == "SPC":
@@ -672,40 +682,27 @@ def read_cards(path: Path, mesh: MeshFile, where: Coordinates) -> Deck:
                 deck.held.setdefault(int(f[0]), set()).update(letters)
         elif not (card in files.NASTRAN or _IDLE.fullmatch(card)):
             deck.lose(name, "a card that is not known here")
-    for number in thick:
-        deck.lose(f"property {number}", "some of its shells have thicknesses of their own")
-    for number, f in shells.items():
-        bending, ratio, t, of, soft = f[3], real(f[4]) or 1.0, real(f[2]), deck.materials.get(f[1]), deck.materials.get(f[5])
-        layers: tuple[tuple[str, float, float], ...] = ((f[1], t, 0.0),) if of and of.shear else ()
-        # Faces apart, as 12 I / t³ says, on a core that shears
-        if bending == f[1] and ratio > 1 + ALIKE and t > 0 and not layers:
-            apart = t / 2 * float(np.sqrt((4 * ratio - 1) / 3))
-            alike = soft.modulus / (2 + 2 * soft.poisson_ratio) if soft and not soft.shear else 0.0
-            across = soft.shear[1:] if soft and soft.shear else (alike, alike)
-            stiff = tuple(G * real(f[6] or ".833333") * t * (apart - t / 2) / apart**2 for G in across)
-            core, stiff = f"core of PSHELL {number}", (0.0, *(stiff if all(stiff) else ()))
-            if f[5] and not soft:
-                deck.lose(f"PSHELL {number}", f"no material {f[5]} of its core is known here")
-            deck.materials[core] = Elastic(modulus=0.0, poisson_ratio=0.0, density=0.0, shear=stiff)
-            layers = ((f[1], t / 2, 0.0), (core, apart - t / 2, 0.0), (f[1], t / 2, 0.0))
-        elif bending != f[1] or abs(ratio - 1) > ALIKE:
-            deck.lose(f"PSHELL {number}", "it bends otherwise than its thickness says, or not at all")
-        t = sum(thickness for _, thickness, _ in layers) or t
-        deck.properties[number] = Property(material=f[1], thickness=t, layers=layers, added=real(f[7]))
-    for card, *f in springs:
-        _spring(deck, card, f, laws, where)
-    turning = deck.turning if bars else set[int]()
-    for card, f in bars:
-        deck.bar(card, f, turning)
     if not re.search(r"^\s*ENDDATA", whole, re.MULTILINE):
         deck.lose("the end", "there is no ENDDATA, and the deck may be cut short")
+    head, chosen = re.split(r"^\s*BEGIN\s+BULK", whole, maxsplit=1, flags=re.MULTILINE)[0], dict[str, list[Row]]()
     for word, sets in (("SPC", fixed), ("MPC", several)):
         added = {key.split()[1]: numbers for key, numbers in together.items() if key.startswith(word)}
         sets |= {sid: [row for one in numbers for row in sets.get(one, [])] for sid, numbers in added.items()}
-    for components, *nodes in deck.chosen("SPC", whole, fixed):
-        for text in nodes:
-            deck.held.setdefault(int(text), set()).update(components)
-    for k, row in enumerate(deck.chosen("MPC", whole, several), start=1):
+        chosen[word] = deck.chosen(word, head, sets, set().union(*added.values()))
+    scalar |= {int(f[k]) for card, f in late for k in (2, 4) if card in LATE[:4] and f[k].isdigit() and f[k + 1] in ("", "0")}
+    for components, *nodes in chosen["SPC"]:
+        for node in map(int, nodes):
+            still |= {node} & scalar
+            deck.held.setdefault(node, set()).update(components if node not in scalar else ())
+    turning, moving = deck.turning, scalar - still
+    for card, f in late:
+        if card == "PSHELL":
+            deck.shell(f)
+        elif card in LATE[:5]:
+            _spring(deck, card, f, laws, where, moving, still)
+        else:
+            deck.bar(card, f, turning)
+    for k, row in enumerate(chosen["MPC"], start=1):
         rows = [row[n : n + 3] for n in range(0, len(row), 3) if row[n]]
         if any(not 1 <= int(way or 0) <= 6 for _, way, _ in rows):
             deck.lose(f"MPC {k}", "a scalar point is in it")
@@ -735,7 +732,10 @@ def _listed(fields: Sequence[str], name: str, deck: Deck) -> list[int]:
     return found
 
 
-def _spring(deck: Deck, card: str, f: Sequence[str], laws: Mapping[str, Sequence[str]], where: Coordinates) -> None:
+def _spring(
+    deck: Deck, card: str, f: Row, laws: Mapping[str, Row], where: Coordinates, moving: Collection[int], still: Collection[int]
+) -> None:
+    """CBUSH, CELAS and CMASS between nodes, or one and points that are `still`; scalar points that are `moving` are lost."""
     name, points = f"{card} {f[0]}", deck.points
     if card == "CBUSH":
         law, ends = laws.get(f"PBUSH {f[1] or f[0]}", []), [int(text) for text in f[2:4] if text.isdigit() and int(text)]
@@ -743,8 +743,9 @@ def _spring(deck: Deck, card: str, f: Sequence[str], laws: Mapping[str, Sequence
         if not at or f[9] not in ("", "-1"):
             deck.lose(name, "it lies beside the line between its nodes (OCID)" if at else "no PBUSH with K")
             return
-        six = np.array([real(text) for text in law[at + 1 : at + 7]])
-        line = points[ends[-1]] - points[ends[0]]
+        if any(law[k].upper() == "M" for k in range(1, len(law), 8)):
+            deck.lose(f"PBUSH {f[1] or f[0]}", "its mass (M)")
+        six, line = np.array([real(text) for text in law[at + 1 : at + 7]]), points[ends[-1]] - points[ends[0]]
         to = points[int(f[4])] - points[ends[0]] if f[4].isdigit() and not f[5] else None
         if to is None and any(f[4:7]):
             to = np.array([real(text) for text in f[4:7]]) @ deck.axes.get(ends[0], np.eye(3))
@@ -760,30 +761,33 @@ def _spring(deck: Deck, card: str, f: Sequence[str], laws: Mapping[str, Sequence
         about = points[ends[0]] + (real(f[8]) if f[8] else 0.5) * line if line.any() else None
         deck.springs[name] = DeckSpring(ends=tuple(ends), stiffness=six, axes=axes, about=about)
     else:
-        stiffness = real(f[1] if card == "CELAS2" else laws.get(f"PELAS {f[1] or f[0]}", ("", ""))[1])
-        pairs = [(int(f[k]), f[k + 1]) for k in (2, 4) if f[k].isdigit() and int(f[k])]
+        size = real(f[1] if card[-1] == "2" else laws.get(f"P{card[1:5]} {f[1] or f[0]}", ("", ""))[1])
+        pairs = [(int(f[k]), f[k + 1]) for k in (2, 4) if f[k].isdigit() and int(f[k]) not in still]
         ends, along = [node for node, _ in pairs], {component for _, component in pairs}
-        if not stiffness or len(along) != 1 or not along <= set("123456"):
-            deck.lose(name, "it joins two different motions, or its stiffness is not here")
+        if {*ends} & {*moving}:
+            deck.lose(name, "it ends at a scalar point that moves")
+            return
+        if not size or len(along) != 1 or not along <= set("123456") or (len(ends) > 1 and "MASS" in card):
+            joins = "motions, or its mass" if "MASS" in card else "different motions, or its stiffness"
+            deck.lose(name, f"it joins two {joins} is not here")
             return
         six = np.zeros(6)
-        six[int(along.pop()) - 1] = stiffness
-        deck.springs[name] = DeckSpring(ends=tuple(ends), stiffness=six)
-        deck.turn_spring(name)
+        six[int(along.pop()) - 1] = size
+        if "MASS" in card:
+            R = np.kron(np.eye(2), deck.axes.get(ends[0], np.eye(3)))
+            deck.weigh(card, name, ends[0], R.T @ np.diag(six) @ R)
+        else:
+            deck.springs[name] = DeckSpring(ends=tuple(ends), stiffness=six)
+            deck.turn_spring(name)
     deck.carried[card] = None
 
 
-def called(mesh: MeshFile, name: str) -> str:
-    """The group that a deck means, to whom capitals are no different from small letters."""
-    return next((own for own in mesh.names if own.upper() == name.upper()), name)
-
-
-def numbers_of(mesh: MeshFile, named: Iterable[int | str]) -> list[int]:
-    """Numbers of the nodes of groups, and numbers as they are; NotThere: a group that the mesh does not state."""
-    found = list[int]()
-    for one in named:
-        own = [one] if isinstance(one, int) else mesh.node_tags[mesh.nodes_of(called(mesh, one))].tolist()
-        if not own and str(one).upper() not in mesh.empty:
-            raise NotThere(one)
-        found += own
-    return found
+def _body(M: Array) -> Inertia | None:
+    """The body that a matrix (6, 6) of mass is of, if it is; lengths count in radii of gyration."""
+    reach = float(np.sqrt(abs(np.trace(M[3:, 3:])) / (abs(np.trace(M[:3, :3])) or np.inf))) or 1.0
+    by = np.repeat([1.0, reach], 3)
+    try:
+        found = Inertia.from_mass_matrix(M / np.outer(by, by))
+    except ValueError:
+        return None
+    return Inertia(parameters=found.parameters * reach ** np.repeat([0, 1, 2], [1, 3, 6]))

@@ -8,23 +8,29 @@ from pathlib import Path
 
 import numpy as np
 
+from fem.beam.elements import plated
 from fem.mesh import files
 from fem.mesh.constraints import FACES, Sum, areas, following, tied
-from fem.mesh.deck_content import TRANSLATIONS, Deck, DeckSpring, Elastic, Mean, Property, Rider, Row, called, numbers_of
+from fem.mesh.deck_content import TRANSLATIONS, Deck, DeckSpring, Elastic, Mean, Property, Row
 from fem.mesh.deck_text import NotThere, System, deck_lines, keyword_of, real
-from fem.mesh.files import MeshFile
+from fem.mesh.files import MeshFile, called, numbers_of
 from geometry.frames import Integers, axes_along
 
 FIBRES = {"LAMINA": range(6), "ENGINEERING CONSTANTS": (0, 1, 3, 6, 7, 8)}
 """Where moduli along and across fibres, Poisson's ratio and shear moduli 12, 13 and 23 stand, by the type of elasticity."""
+
+HELD_AS = {"ENCASTRE": "123456", "PINNED": "123", "XSYMM": "156", "YSYMM": "246", "ZSYMM": "345"}
+"""What Abaqus calls freedoms that are held together."""
 
 LATE = {"ELSET": 1, **dict.fromkeys(("MASS", "ROTARY INERTIA", "SPRING"), 2)}
 """What is read behind all else, as elements and sets that it names may stand behind it."""
 
 
 def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
-    """Keyword, options and rows of fields, to the end of the first step; nodes and elements come without their rows."""
+    """Keyword, options and rows of fields, to the end of the first step, or of that which asks for frequencies, as one is; nodes
+    and elements come without their rows."""
     keyword, options, rows, steps = "", dict[str, str](), list[list[str]](), 0
+    awaited = any(re.match(r"\s*\*FREQUENCY\b", line.text, re.IGNORECASE) for line in deck_lines(path))
     for line in deck_lines(path):
         text = line.text.strip()
         if not text.startswith("*"):
@@ -36,16 +42,17 @@ def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]
             yield keyword, options, rows
         (keyword, options), rows = keyword_of(text), []
         steps += keyword == "STEP"
-        if steps > 1:
+        awaited = awaited and keyword != "FREQUENCY"
+        if steps > 1 and not awaited and keyword == "STEP":
             return
     yield keyword, options, rows
 
 
 def read_keywords(path: Path, mesh: MeshFile) -> Deck:
-    deck, material, open_step = Deck(mesh=mesh), "", False
+    deck, material, open_step, renewed = Deck(mesh=mesh), "", False, False
     elastic, dense, losses = dict[str, list[str]](), dict[str, float](), dict[str, float]()
     # Of no mesh: kind and nodes of elements by their numbers, and those by their sets
-    loose, sets, inertias = dict[int, tuple[str, list[int]]](), dict[str, list[int]](), list[tuple[str, int, Row]]()
+    loose, sets = dict[int, tuple[str, list[int]]](), dict[str, list[int]]()
     fibres, oriented = dict[str, list[float]](), dict[str, str]()
     coupling, surfaces = dict[str, str](), dict[str, Surface]()
     joining = list[tuple[str, dict[str, str], list[list[str]]]]()
@@ -58,8 +65,7 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
         if keyword == "MATERIAL":
             material = o["NAME"]
         elif keyword == "ELASTIC":
-            several = [text for row in rows for text in [*row, *8 * [""]][:8]]
-            kind = o.get("TYPE", "ISO")
+            several, kind = [text for row in rows for text in [*row, *8 * [""]][:8]], o.get("TYPE", "ISO")
             if kind in FIBRES:
                 fibres[material] = [real(several[k]) for k in FIBRES[kind]]
             elif kind not in ("ISO", "ISOTROPIC"):
@@ -106,13 +112,13 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
             if not plain or (rows[1:] and rows[1][0] != "3"):
                 deck.lose(name, "axes that are not of one rectangular system, turned about its third")
         elif keyword == "BEAM SECTION":
-            deck.beam_section(name, group, o, rows)
+            _beam_section(deck, name, group, o, rows)
         elif keyword == "BEAM GENERAL SECTION":
             if "MATERIAL" not in o:  # it states its own
                 E, G = (real(text) for text in [*rows[2], ""][:2])
                 nu, rho = E / (2 * G) - 1 if G else 0.0, real(o.get("DENSITY", ""))
                 deck.materials[f"of {group}"] = Elastic(modulus=E, poisson_ratio=nu, density=rho)
-            deck.beam_section(name, group, {"MATERIAL": f"of {group}", "SECTION": "GENERAL", **o}, rows)
+            _beam_section(deck, name, group, {"MATERIAL": f"of {group}", "SECTION": "GENERAL", **o}, rows)
         elif keyword == "ELEMENT" and o.get("TYPE") in files.LOOSE:
             loose |= {int(tag): (o["TYPE"], [int(text) for text in ends if text]) for tag, *ends in rows}
             sets.setdefault(o.get("ELSET", ""), []).extend(int(tag) for tag, *_ in rows)
@@ -134,12 +140,13 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
             elif keyword == "MASS":
                 if len({real(text) for text in first if text}) > 1:
                     deck.lose(name, "it is not alike in all directions; the first is taken")
-                deck.masses |= {f"MASS {options['ELSET']} {tag}": (node, Rider(mass=real(first[0]))) for tag, _, (node,) in bare}
-                deck.carried[keyword] = None
+                for tag, _, (node,) in bare:
+                    deck.weigh(keyword, f"MASS {options['ELSET']} {tag}", node, real(first[0]) * np.diag([1, 1, 1, 0, 0, 0]))
             elif any(map(real, first[3:])) or "ORIENTATION" in o:
                 deck.lose(name, "it has products, or axes of its own")
             else:
-                inertias += [(name, node, first) for *_, (node,) in bare]
+                for *_, (node,) in bare:
+                    deck.weigh(keyword, name, node, np.diag([0.0, 0.0, 0.0, *map(real, [*first, "", ""][:3])]))
         elif keyword == "RIGID BODY":
             riders = called(mesh, options.get("NSET", options.get("ELSET", options.get("TIE NSET", ""))))
             carrier = o.get("REF NODE", o.get("REFNODE", ""))
@@ -150,7 +157,9 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
             else:
                 deck.lose(name, "it has no reference node, or no NSET, ELSET or TIE NSET")
         elif keyword == "BOUNDARY":
-            deck.boundary(rows)
+            if o.get("OP") == "NEW" and not renewed:
+                deck.held, renewed = {}, True
+            _boundary(deck, rows)
         elif keyword == "TRANSFORM" and (kind := o.get("TYPE", "R")) == "S":
             deck.lose(name, "its axes are spherical")
         elif keyword == "TRANSFORM":  # by points of its first axis and of the plane of the first two, or of a cylinder's axis
@@ -165,18 +174,11 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
         elif keyword in ("KINEMATIC", "DISTRIBUTING", "EQUATION", "MPC", "TIE"):
             joining.append((keyword, coupling | options if keyword in ("KINEMATIC", "DISTRIBUTING") else options, rows))
         elif keyword in ("STEP", "END STEP"):
-            open_step = keyword == "STEP"
-        elif files.carries(keyword):
+            open_step, renewed = keyword == "STEP", False
+        elif keyword.endswith("SECTION") or files.carries(keyword):
             deck.lose(name, "a keyword that is not known here")
     for keyword, options, rows in joining:
         _join(deck, keyword, options, rows, surfaces)
-    for name, node, row in inertias:
-        if at := [one for one, (where, _) in deck.masses.items() if where == node]:
-            moments = np.diag([real(text) for text in [*row, "", ""][:3]])
-            deck.masses[at[0]] = node, replace(deck.masses[at[0]][1], moments=moments)
-            deck.carried["ROTARY INERTIA"] = None
-        else:
-            deck.lose(name, "no mass is at its node")
     for node, ref in turning.items():
         deck.held.setdefault(ref, set()).update("456"[int(letter) - 1] for letter in deck.held.pop(node, set()) & TRANSLATIONS)
     for name in [name for name, one in deck.springs.items() if one.axes is None]:
@@ -195,6 +197,48 @@ def read_keywords(path: Path, mesh: MeshFile) -> Deck:
         E, across, nu, *shear = fibres.get(of, [real(row[0]), 0.0, nu])
         deck.materials[of] = Elastic(modulus=E, across=across, poisson_ratio=nu, shear=(*shear,), density=rho, loss_factor=lost)
     return deck
+
+
+def _beam_section(deck: Deck, name: str, group: str, o: Mapping[str, str], rows: Sequence[Sequence[str]]) -> None:
+    """Along its first direction, which the second row says, a rectangle has the first of its two sizes."""
+    sizes = [real(text) for text in rows[0] if text]
+    beams = [(deck.mesh.cells[kind], some) for kind, some in deck.mesh.groups.get(group, {}).items()]
+    told = [one.axes is not None and not np.isnan(one.axes[k]).any() for one, some in beams for k in some]  # by its elements
+    if any(told) and not all(told):
+        deck.lose(name, "which way those of its beams are turned that have a node which says it, as others have none")
+    z_axis = () if told and all(told) else tuple(real(text) for text in rows[1][:3]) if rows[1:] else (0.0, 0.0, -1.0)
+    section: dict[str, float] = {}
+    if any(real(o.get(way, "")) for way in ("OFFSET1", "OFFSET2")):
+        deck.lose(name, "how far it is off its nodes (OFFSET1, OFFSET2)")
+    if o.get("SECTION", "")[:4] == "RECT":
+        section = {"width": sizes[-1], "height": sizes[0]}
+    elif o.get("SECTION") == "CIRC" and (len(sizes) == 1 or sizes[0] == sizes[1]):  # a radius, or CalculiX's two diameters
+        section = {"outer_diameter": sizes[0] * (2 if len(sizes) == 1 else 1), "inner_diameter": 0.0}
+    elif o.get("SECTION") == "PIPE":
+        section = {"outer_diameter": 2 * sizes[0], "inner_diameter": 2 * (sizes[0] - sizes[1])}
+    elif o.get("SECTION") == "BOX" and len(sizes) == 6 and sizes[2] == sizes[4] and sizes[3] == sizes[5]:
+        section = plated("BOX", (sizes[1], sizes[0], *sizes[2:4]))[0]
+    elif o.get("SECTION") == "GENERAL":
+        A, I1, I12, I2, J = map(real, [*rows[0], *5 * [""]][:5])
+        section = {"area": A, "Iy": I2, "Iz": I1, "J": J} | ({"Iyz": -I12} if I12 else {})
+    elif o.get("SECTION") == "I" and 2 * sizes[0] == sizes[1] and sizes[2] == sizes[3] and sizes[4] == sizes[5]:
+        own = plated("I", (*sizes[1:4], sizes[6], *sizes[4:6]))[0]  # which is as high as its second axis goes
+        section = own | {"Iy": own["Iz"], "Iz": own["Iy"]}
+    else:
+        deck.lose(name, f"a section of kind {o.get('SECTION', 'none')}")
+    deck.properties[group] = Property(material=o["MATERIAL"], section=section, z_axis=z_axis)
+
+
+def _boundary(deck: Deck, rows: Sequence[Sequence[str]]) -> None:
+    for who, *what in rows:
+        word, last, size, *_ = (*what, "", "", "")
+        first = word if word.isdigit() else ""
+        letters = HELD_AS.get(word.upper(), "".join(map(str, range(int(first or 1), min(int(last or first or 0), 6) + 1))))
+        nodes = numbers_of(deck.mesh, [int(who) if who.isdigit() else who])
+        if letters and (real(size) or not nodes):
+            deck.lose(f"*BOUNDARY {who}", "held away from where it stands" if nodes else "the set has no nodes")
+        for node in nodes:
+            deck.held.setdefault(node, set()).update(letters)
 
 
 def _abaqus_spring(

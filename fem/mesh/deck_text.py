@@ -51,6 +51,7 @@ LARGEST_FILE = 2 * 2**30
 """Bytes of a mesh file: a million degrees of freedom have a tenth of it."""
 
 BEGIN = re.compile(r"\s*BEGIN\s+(BULK|SUPER)\b(.*)", re.IGNORECASE)
+_ORDERED = re.compile(r"\s*(CEND|BEGIN\s+(BULK|SUPER))\b", re.IGNORECASE)
 _INCLUDE = re.compile(r"\s*INCLUDE\s+(.*)", re.IGNORECASE)
 
 
@@ -63,7 +64,7 @@ def text_lines(path: Path) -> Iterator[str]:
 def deck_lines(path: Path) -> Iterator[Line]:
     """Lines of a deck, those of files that it includes in their place, and of Abaqus without parts and instances.
 
-    What a Nastran deck includes before BEGIN BULK are orders to the program, and are left alone.
+    What a Nastran deck includes before CEND, and is not there, are orders to the program, and is left alone.
 
     Raises
     ------
@@ -108,10 +109,10 @@ def _abaqus_lines(path: Path, within: tuple[Path, ...]) -> Iterator[Line]:
 
 def _nastran_lines(path: Path, within: tuple[Path, ...]) -> Iterator[Line]:
     every = [Line(text, path, number) for number, text in enumerate(text_lines(path), start=1)]
-    begun, lines = within or not any(BEGIN.match(line.text) for line in every), iter(every)
+    orders, lines = not within and any(_ORDERED.match(line.text) for line in every), iter(every)
     for line in lines:
-        begun = begun or BEGIN.match(line.text) is not None
-        if not begun or (found := _INCLUDE.match(line.text)) is None:
+        orders = orders and _ORDERED.match(line.text) is None
+        if (found := _INCLUDE.match(line.text)) is None:
             yield line
             continue
         name, mark = found[1].strip(), found[1].strip()[:1]
@@ -119,7 +120,11 @@ def _nastran_lines(path: Path, within: tuple[Path, ...]) -> Iterator[Line]:
             while name.count(mark) < 2 and (more := next(lines, None)) is not None:
                 name += more.text.strip()
             name = name[1:].partition(mark)[0]
-        yield from _nastran_lines(*_included(name.partition("$")[0].strip(), line, (*within, path)))
+        try:
+            yield from _nastran_lines(*_included(name.partition("$")[0].strip(), line, (*within, path)))
+        except BadInput:
+            if not orders:
+                raise
 
 
 def _included(name: str, line: Line, within: tuple[Path, ...]) -> tuple[Path, tuple[Path, ...]]:
@@ -286,8 +291,7 @@ def _places(assembly: Iterable[_Block], parts: Mapping[str, list[_Block]]) -> di
     blocks = (block for part in parts.values() for block in part if block.keyword in ("NODE", "ELEMENT"))
     heads = (row.text.split(",")[0].strip() for block in blocks for row in block.rows)
     highest = max((int(head) for head in heads if head.isdigit()), default=1)
-    stride = 10 ** len(str(highest))
-    alone = len(instances) == 1 and not own
+    stride, alone = 10 ** len(str(highest)), len(instances) == 1 and not own
     found: dict[str, _Place] = {}
     for k, block in enumerate(instances):
         if block.options.get("PART", "").upper() not in parts:

@@ -405,8 +405,7 @@ class _Table:
         return np.array(value, dtype=np.float64)
 
     def material(self) -> Material:
-        value = self.table.get("material")
-        where = f"{self.where}.material"
+        value, where = self.table.get("material"), f"{self.where}.material"
         if isinstance(value, str):
             found = user_article.made_of(value, f"{self.source}, {where}")
         elif isinstance(value, dict):

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fem.mesh import solids
+from fem.mesh import deck_text, solids
 from fem.mesh.deck_text import BEGIN, CARD, LARGEST_FILE, Coordinates, Line, deck_lines, keyword_of, properties, real, text_lines
 from fem.solid.assembly import require_gmsh, session
 from geometry.errors import BadInput
@@ -117,8 +117,7 @@ def read(path: Path, left_out: LeftOut = lambda card: False) -> MeshFile:
         problem = f"it has {path.stat().st_size / 2**30:.3g} GiB, more than {LARGEST_FILE / 2**30:.3g}"
         raise BadInput(source, "", problem, "Write a coarser mesh")
     try:
-        found = reader(path, left_out) if path.suffix.lower() in DECKS else reader(path)
-        mesh = found.numbered(source) if isinstance(found, _Raw) else found
+        mesh = (reader(path, left_out) if path.suffix.lower() in DECKS else reader(path)).numbered(source)
     except BadInput:
         raise
     except (ValueError, IndexError, KeyError, OverflowError) as error:  # a field that is no number, a record that is cut off
@@ -323,7 +322,7 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
                 elif field:
                     members += table.get(spelt.get((keyword, field.upper()), field), [])
     if gone := [tag for tag, ends in towards.items() if not nodes.keys() >= {*ends}]:
-        raise ValueError(f"element {gone[0]} is on, or turned by, a node that is not there")
+        raise BadInput(str(path), "*ELEMENT", f"element {gone[0]} is on, or turned by, a node that is not there", "Correct it")
     axes = {tag: np.subtract(nodes[to], nodes[one]) for tag, (one, to) in towards.items()}
     return _Raw(nodes=nodes, elements=elements, groups=groups, node_groups=node_groups, axes=axes)
 
@@ -448,7 +447,10 @@ def _beam_states(
     if not re.fullmatch("[GB][GO][GO]", offt):
         raise BadInput(where.source, "OFFT", f"OFFT of beam {f[0]} is {offt}", "Write GGG, or another of G, B and O")
     if f[4].isdigit() and not f[5]:
-        to = nodes.get(int(f[4]), at[0]) - at[0]
+        if int(f[4]) not in nodes:
+            problem = f"G0 of beam {f[0]}, which tells how it is turned, is node {f[4]}, which is not there"
+            raise BadInput(where.source, "CBAR, CBEAM", problem, "Correct it, or write a vector (X1, X2, X3)")
+        to = nodes[int(f[4])] - at[0]
     else:
         to = np.array([real(text) for text in f[4:7]]) @ (np.eye(3) if offt[0] == "B" else ways[0])
     offsets = np.array([[real(text) for text in f[k : k + 3]] for k in (10, 13)])
@@ -519,8 +521,7 @@ def _cards(path: Path) -> Iterator[list[str]]:
     lines = tuple(deck_lines(path))
     begun = not any(BEGIN.match(line.text) for line in lines)
     text = mark = ""  # mark: of the line that continues the last one, where its tenth field says one
-    ended = path.read_bytes()[-1:] == b"\n"
-    line = Line("", path, 0)
+    ended, line = path.read_bytes()[-1:] == b"\n", Line("", path, 0)
     for line in lines:
         text = line.text.split("$")[0].expandtabs(8).rstrip()
         if begin := BEGIN.match(text):
@@ -585,7 +586,7 @@ def _universal(path: Path) -> _Raw:
     elements: Elements = {}
     groups: dict[str, list[int]] = {}
     node_groups: dict[str, list[int]] = {}
-    unit, askew = 0.0, set[str]()
+    unit, askew, within = 0.0, set[str](), dict[str, str]()  # systems, by which node is in it first
     for number, lines in _datasets(path):
         if number == 164:
             per_metre = real(lines[1].split()[0])
@@ -597,9 +598,7 @@ def _universal(path: Path) -> _Raw:
         elif number == 2411:
             for head, place in zip(lines[::2], lines[1::2], strict=False):
                 node, system, *_ = head.split()
-                if system in askew:
-                    problem = f"node {node} is in the system {system}, which dataset 2420 turns, moves or makes round"
-                    raise BadInput(str(path), "2411", problem, "Write nodes in global axes")
+                within.setdefault(system, node)
                 x, y, z = map(real, place.split())
                 _once(nodes, int(node), (x, y, z), str(path))
         elif number == 2412:
@@ -625,6 +624,9 @@ def _universal(path: Path) -> _Raw:
                 for code, tag in zip(words[::4], words[1::4], strict=False):
                     table = node_groups if code == 7 else groups
                     table.setdefault(name, []).append(tag)
+    for system in within.keys() & askew:
+        problem = f"node {within[system]} is in the system {system}, which dataset 2420 turns, moves or makes round"
+        raise BadInput(str(path), "2411", problem, "Write nodes in global axes")
     return _Raw(nodes=nodes, elements=elements, groups=groups, node_groups=node_groups, unit=unit)
 
 
@@ -656,7 +658,7 @@ _FROM_GMSH = {
 _BEGINNINGS = {".msh": (b"$MeshFormat", b"$Comments"), ".med": (b"\x89HDF\r\n\x1a\n",)}
 
 
-def _through_gmsh(path: Path) -> MeshFile:
+def _through_gmsh(path: Path) -> _Raw:
     require_gmsh()
     source, ending = str(path), path.suffix.lower()
     with path.open("rb") as file:
@@ -678,7 +680,7 @@ def _through_gmsh(path: Path) -> MeshFile:
             *_, words = (f"its process ended with {run.returncode}", *filter(str.strip, run.stderr.splitlines()))
             raise BadInput(source, "", f"gmsh cannot read it ({words.strip()[:200]})", _AGAIN)
         with np.load(answer, allow_pickle=False) as arrays:
-            return _unpacked(dict(arrays), source)
+            return _unpacked(arrays, source)
 
 
 def _work(path: str, answer: str) -> None:
@@ -701,37 +703,24 @@ def _work(path: str, answer: str) -> None:
     np.savez(answer, allow_pickle=False, **arrays)
 
 
-def _unpacked(arrays: Mapping[str, np.ndarray], source: str) -> MeshFile:
-    order = np.argsort(arrays["tags"], kind="stable")
-    tags, points = arrays["tags"][order], arrays["points"][order]
-    found: dict[str, list[tuple[Array, Array, list[str]]]] = {}
+def _unpacked(arrays: Mapping[str, np.ndarray], source: str) -> _Raw:
+    elements, groups = Elements(), dict[str, list[int]]()
     for key, said in enumerate(arrays["blocks"]):
         code, *names = str(said).split("\n")
-        kind = _GMSH.get(int(code))
-        if kind is None:
-            problem = f"{len(arrays[f'elements/{key}'])} elements of gmsh's type {code} are not known"
+        kind, tags, nodes = _GMSH.get(int(code), ""), arrays[f"elements/{key}"].tolist(), arrays[f"nodes/{key}"]
+        if not kind:
+            problem = f"{len(tags)} elements of gmsh's type {code} are not known"
             remedy = "Write lines, triangles, quadrilaterals, tetrahedra, hexahedra or wedges of first or second order"
             raise BadInput(source, "elements", problem, remedy)
-        nodes = arrays[f"nodes/{key}"]
-        nodes = nodes[:, _FROM_GMSH.get(kind, range(nodes.shape[1]))]
-        found.setdefault(kind, []).append((arrays[f"elements/{key}"], nodes, names))
-    cells, groups = {}, dict[str, dict[str, list[Integers]]]()
-    for kind, blocks in found.items():
-        first = 0
-        for elements, _, names in blocks:
-            for name in names:
-                groups.setdefault(name, {}).setdefault(kind, []).append(np.arange(first, first + len(elements), dtype=np.intp))
-            first += len(elements)
-        nodes = np.vstack([block[1] for block in blocks])
-        at = np.minimum(np.searchsorted(tags, nodes), max(len(tags) - 1, 0))
-        if not len(tags) or np.any(tags[at] != nodes):
-            raise BadInput(source, "elements", "elements have nodes that the file does not hold", _AGAIN)
-        cells[kind] = Cells(kind=kind, tags=np.concatenate([block[0] for block in blocks]), nodes=at.astype(np.intp))
-    named = {name: {kind: np.unique(np.concatenate(own)) for kind, own in by.items()} for name, by in groups.items()}
-    return MeshFile(source=source, node_tags=tags, points=points, cells=cells, groups=named)
+        own = nodes[:, _FROM_GMSH.get(kind, range(nodes.shape[1]))].tolist()
+        elements.setdefault(kind, {}).update(zip(tags, own, strict=True))
+        for name in names:
+            groups.setdefault(name, []).extend(tags)
+    points = dict(zip(arrays["tags"].tolist(), arrays["points"].tolist(), strict=True))
+    return _Raw(nodes=points, elements=elements, groups=groups, node_groups={})
 
 
-READERS: Mapping[str, Callable[..., "_Raw | MeshFile"]] = {
+READERS: Mapping[str, Callable[..., _Raw]] = {
     **dict.fromkeys((".msh", ".med"), _through_gmsh),
     **dict.fromkeys(DECKS, _nastran),
     ".inp": _abaqus,
@@ -745,11 +734,26 @@ def carries(card: str) -> bool:
     return card in _ABAQUS_CARRIES or _CARRIES.fullmatch(card) is not None
 
 
+def called(mesh: MeshFile, name: str) -> str:
+    """The group that a deck means, to whom capitals are no different from small letters."""
+    return next((own for own in mesh.names if own.upper() == name.upper()), name)
+
+
+def numbers_of(mesh: MeshFile, named: Iterable[int | str]) -> list[int]:
+    """Numbers of the nodes of groups, and numbers as they are; NotThere: a group that the mesh does not state."""
+    found = list[int]()
+    for one in named:
+        own = [one] if isinstance(one, int) else mesh.node_tags[mesh.nodes_of(called(mesh, one))].tolist()
+        if not own and str(one).upper() not in mesh.empty:
+            raise deck_text.NotThere(one)
+        found += own
+    return found
+
+
 def joined(names: Iterable[object], most: int = 5) -> str:
     """The first of `names`, and how many more there are."""
     words = [str(name) for name in names]
-    more = f" and {len(words) - most} more" if len(words) > most else ""
-    return ", ".join(words[:most]) + more
+    return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")
 
 
 if __name__ == "__main__":

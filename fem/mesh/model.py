@@ -54,8 +54,7 @@ def load(path: Path) -> tuple[str, Structure]:
     CheckFailed : no valid mesh of an assembly.
     """
     found = described.read(path)
-    mesh = _meshed(found) if found.kind == "assembly" else found.mesh()
-    return found.name, structure(found, mesh)
+    return found.name, structure(found, _meshed(found) if found.kind == "assembly" else found.mesh())
 
 
 def _meshed(found: described.MeshDescription) -> files.MeshFile:
@@ -230,8 +229,7 @@ def _blocks(found: described.MeshDescription, mesh: files.MeshFile) -> Iterator[
 
 def _require_covered(found: described.MeshDescription, mesh: files.MeshFile, claimed: Mapping[str, Integers]) -> None:
     """Elements of the highest dimension, and lower ones that hang on no part, must have a material; none is there twice."""
-    top = max(files.DIMENSION[kind] for kind in mesh.cells)
-    used = np.zeros(len(mesh.points), dtype=bool)
+    top, used = max(files.DIMENSION[kind] for kind in mesh.cells), np.zeros(len(mesh.points), dtype=bool)
     for kind, owner in claimed.items():
         used[mesh.cells[kind].nodes[owner >= 0]] = True
     bare = {}
@@ -305,8 +303,7 @@ def _nodes(
         one, other = (np.unique(np.concatenate([b.nodes.ravel() for b in blocks if b.part == part])) for part in joint.between)
         common = np.intersect1d(one, other)
         if len(common):
-            twin = np.arange(len(points), len(points) + len(common))
-            turned = np.arange(len(points) + len(common))
+            twin, turned = np.arange(len(points), len(points) + len(common)), np.arange(len(points) + len(common))
             turned[common] = twin
             blocks = tuple(replace(b, nodes=turned[b.nodes]) if b.part == joint.between[1] else b for b in blocks)
             points, tags = np.vstack([points, points[common]]), np.append(tags, tags[common])
@@ -363,15 +360,13 @@ def _numbered(
     there = [lone[np.linalg.norm(mesh.points[lone] * found.length - at, axis=1) <= near] for at in points[own:]]
     # A link has the number of the one node that the file has for it, at which no element is
     of_links = [mesh.node_tags[of[0]] if len(of) == 1 and not one.part else 0 for of, one in zip(there, carriers, strict=True)]
-    tags = np.append(tags, of_links).astype(np.intp)
-    turning = np.ones(len(points), dtype=bool)
+    tags, turning = np.append(tags, of_links).astype(np.intp), np.ones(len(points), dtype=bool)
     turning[np.concatenate([block.nodes.ravel() for block in blocks])] = False
     for block in blocks:
         if block.turning:
             turning[block.nodes] = True
     count = np.where(turning, 6, 3)
-    first = np.append(0, np.cumsum(count))[:-1].astype(np.intp)
-    size = int(count.sum())
+    first, size = np.append(0, np.cumsum(count))[:-1].astype(np.intp), int(count.sum())
     if size > LARGEST_SIDE:
         problem = f"it makes {size:,} degrees of freedom, {LARGEST_SIDE:,} are allowed"
         raise found.refused("file", problem, "Write a coarser mesh")
@@ -422,9 +417,8 @@ def _numbered(
             if rides[held].any():
                 raise found.refused(f"holds.{name}", f"node {tags[node]} rides on a link", "Hold the link instead")
             keep[held] = False
-    sums = list(_sums(found, sets, tags, first, count))
     # Of nodes at no element, which ride, are tied or hang on springs, what nothing moves is no motion of the structure
-    idle = np.zeros(size, dtype=bool)
+    sums, idle = list(_sums(found, sets, tags, first, count)), np.zeros(size, dtype=bool)
     for node in np.setdiff1d(np.arange(own), np.concatenate([block.nodes.ravel() for block in blocks])).tolist():
         idle[first[node] + SIX] = True
     idle[[dof for one in sums for _, dof in one]] = False
@@ -440,11 +434,9 @@ def _numbered(
     rotations = np.where(turning, first, 0)[:, None] + SIX[3:]
     turned = _welded(points, blocks, first, turning & keep[rotations].any(axis=1)).where(keep)
     keep[turned.rows] = False
-    own_dofs = np.where(keep, np.cumsum(keep) - 1, -1)
-    carried = eye_array(size, format="csr")
+    own_dofs, carried = np.where(keep, np.cumsum(keep) - 1, -1), eye_array(size, format="csr")
     if not keep.all():
-        plain = np.flatnonzero(keep)
-        leads = riding + matrix(following, size) + turned.matrix(size)
+        plain, leads = np.flatnonzero(keep), riding + matrix(following, size) + turned.matrix(size)
         carried = coo_array((np.ones(len(plain)), (plain, own_dofs[plain])), shape=(size, len(plain))).tocsr()
         for _ in range(MOST_DOUBLINGS):
             if not leads.nnz:
@@ -574,8 +566,7 @@ def _welded(points: Array, blocks: Sequence[Block], first: Integers, turning: np
     rows, columns, values = [np.zeros(0, dtype=np.intp)], [np.zeros(0, dtype=np.intp)], [np.zeros(0)]
     for node, cells in around.items():
         others = np.unique(np.concatenate(cells))
-        turns = fitted(points[others], points[node])[3:]
-        dofs = (first[others][:, None] + SIX[:3]).ravel()
+        turns, dofs = fitted(points[others], points[node])[3:], (first[others][:, None] + SIX[:3]).ravel()
         rows.append(np.repeat(first[node] + SIX[3:], len(dofs)))
         columns.append(np.tile(dofs, 3))
         values.append(turns.ravel())
@@ -711,8 +702,7 @@ class _Made:
         from scipy.spatial import cKDTree
 
         found, elements, size = self.found, self.elements, len(self.elements.points)
-        where = _own(elements)
-        node = np.zeros(elements.carried.shape[1], dtype=np.intp)
+        where, node = _own(elements), np.zeros(elements.carried.shape[1], dtype=np.intp)
         node[where[where >= 0]] = np.nonzero(where >= 0)[0]
         ends = {name: np.unique(node[np.unique(spring.indices[spring.data != 0])]) for name, spring in springs.items()}
         together = [block.nodes for block in elements.blocks] + [one[None] for one in ends.values() if len(one)]
@@ -729,8 +719,7 @@ class _Made:
         tied = np.unique(body[np.concatenate([self.interface, *holding, *(ends[name] for name in supports)]).astype(np.intp)])
         if found.support == "free":
             tied = np.array([np.argmax(np.bincount(body))])
-        loose = np.setdiff1d(body, tied)
-        said = []
+        loose, said = np.setdiff1d(body, tied), []
         for k in loose[:3]:
             nodes = np.flatnonzero(body == k)
             parts = list(dict.fromkeys(b.part for b in elements.blocks if np.isin(b.nodes, nodes).any()))

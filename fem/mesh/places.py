@@ -294,8 +294,7 @@ class Elements:
 
     def rigid_everywhere(self, reference_point: Array) -> Array:
         """What each degree of freedom (m,) does in them, also those that ride or are held; (m, 6)."""
-        whole = np.zeros((len(self.own), 6))
-        offsets = self.points - reference_point
+        whole, offsets = np.zeros((len(self.own), 6)), self.points - reference_point
         for axis, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
             rows = self.first + axis
             whole[rows, axis] = 1.0
@@ -373,8 +372,7 @@ class Elements:
             blocks.append(T[:count])
             dofs.append(self.first[index] + np.arange(count))
             counts.append(share * np.array([1.0, 1.0, 1.0, arm, arm, arm])[:count])
-        W = np.concatenate(counts)
-        scale = np.array([1.0, 1.0, 1.0, wide, wide, wide])
+        W, scale = np.concatenate(counts), np.array([1.0, 1.0, 1.0, wide, wide, wide])
         A = W[:, None] * np.vstack(blocks) / scale
         if np.linalg.svd(A, compute_uv=False)[-1] < 1e-6:
             problem = f"{len(nodes)} node(s) that lie in a line or a point and do not turn cannot say how they turn"
@@ -683,8 +681,7 @@ def assembled(elements: Elements) -> tuple[dict[str, Sparse], dict[str, Sparse],
             if block.part != name:
                 continue
             if block.kind in solids.KINDS:
-                lam = mu * (E - 2 * mu) / (3 * mu - E)
-                size = 3 * block.nodes.shape[1]
+                lam, size = mu * (E - 2 * mu) / (3 * mu - E), 3 * block.nodes.shape[1]
                 for some in _batches(len(block.nodes), size):
                     nodes = block.nodes[some]
                     K, M = solids.matrices(block.kind, elements.points[nodes], lam, mu, density)
@@ -775,8 +772,7 @@ class _Sum:
 
         self.there = True
         own = self.number[dofs].astype(np.int32)
-        rows = np.broadcast_to(own[:, :, None], blocks.shape)
-        columns = np.broadcast_to(own[:, None, :], blocks.shape)
+        rows, columns = np.broadcast_to(own[:, :, None], blocks.shape), np.broadcast_to(own[:, None, :], blocks.shape)
         lower = (rows >= columns) & (columns >= 0)
         added = coo_array((blocks[lower], (rows[lower], columns[lower])), shape=(self.size, self.size)).tocsr()
         self.half = added if self.half is None else self.half + added

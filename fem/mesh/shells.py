@@ -239,8 +239,7 @@ def layered(corners: Array, laminate: Laminate, along: Array, offsets: Array) ->
     # Mass is where its middle is, and turns about that
     m, first, second = laminate.masses
     lifted = [carried(offsets + R[:, None, 2] * (laminate.height + off)) for off in (0.0, first / m if m else 0.0)]
-    T = turned @ lifted[0]
-    M = masses(corners, R[:, 2], m, second - first**2 / m if m else 0.0)
+    T, M = turned @ lifted[0], masses(corners, R[:, 2], m, second - first**2 / m if m else 0.0)
     return _seen((3 * K - slope) / 2, T), _seen((slope - K) / 2, T), _seen(M, lifted[1])
 
 
@@ -260,8 +259,7 @@ def displacement(corners: Array, weights: Array) -> Array:
     Computers & Structures 19, 1984, in the plane; the same for bending).
     """
     points = np.einsum("qa,cai->cqi", weights, corners)
-    offsets = points[:, :, None] - corners[:, None]
-    N = np.zeros((len(corners), len(weights), 3, 3, 6))
+    offsets, N = points[:, :, None] - corners[:, None], np.zeros((len(corners), len(weights), 3, 3, 6))
     for i in range(3):
         N[..., i, :, i] = weights
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):  # rotation about j moves along i by the offset along k

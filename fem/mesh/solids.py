@@ -102,8 +102,7 @@ def _slopes(kind: str, corners: Array, X: Array) -> tuple[Array, Array]:
     gradients = np.einsum("qkj,cqji->cqki", reference, np.linalg.inv(J), optimize=True)
     if kind == "hex8":
         centre = np.einsum("cki,kj->cij", corners, functions(kind, np.zeros((1, 3)))[1][0])
-        modes = np.einsum("qm,mj->qmj", -2 * X, np.eye(3))
-        scale = np.linalg.det(centre)[:, None] / np.linalg.det(J)
+        modes, scale = np.einsum("qm,mj->qmj", -2 * X, np.eye(3)), np.linalg.det(centre)[:, None] / np.linalg.det(J)
         bent = np.einsum("qmj,cji->cqmi", modes, np.linalg.inv(centre)) * scale[:, :, None, None]
         gradients = np.concatenate([gradients, bent], axis=2)
     return J, gradients
@@ -114,8 +113,7 @@ def _stiffness(gradients: Array, volume: Array, lam: float, mu: float) -> Array:
     (c, q, n), whole = gradients.shape[:3], (len(gradients), 3 * gradients.shape[2], 3 * gradients.shape[2])
     weighted = (gradients * volume[:, :, None, None]).reshape(c, q, 3 * n)
     pairs = weighted.transpose(0, 2, 1) @ gradients.reshape(c, q, 3 * n)
-    blocks = pairs.reshape(-1, n, 3, n, 3)
-    K = lam * pairs
+    blocks, K = pairs.reshape(-1, n, 3, n, 3), lam * pairs
     K += mu * blocks.transpose(0, 1, 4, 3, 2).reshape(whole)
     trace = mu * np.einsum("caibi->cab", blocks)
     for i in range(3):

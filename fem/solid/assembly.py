@@ -326,8 +326,7 @@ def require_connected(mesh: SolidMesh) -> None:
 
     # Number of the body of cells joined by faces that each cell belongs to; (c,)
     faces = np.sort(np.vstack([mesh.cells[:, list(face)] for face in _faces(mesh)]), axis=1)
-    cell = np.tile(np.arange(len(mesh.cells)), len(_faces(mesh)))
-    order = np.lexsort(faces.T)
+    cell, order = np.tile(np.arange(len(mesh.cells)), len(_faces(mesh))), np.lexsort(faces.T)
     same = np.all(faces[order][1:] == faces[order][:-1], axis=1)
     a, b = cell[order][:-1][same], cell[order][1:][same]
     graph = coo_array((np.ones(len(a), dtype=np.int8), (a, b)), shape=(len(mesh.cells),) * 2)

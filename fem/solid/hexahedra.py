@@ -135,8 +135,7 @@ def with_whole_walls(plan: PlanMesh, inner: float, outer: float) -> PlanMesh:
 
     Two that meet on the middle circle share an edge there, whose nodes become the middle nodes of the one.
     """
-    radius = np.hypot(*plan.points.T)
-    middle = np.hypot(*plan.centres.T)
+    radius, middle = np.hypot(*plan.points.T), np.hypot(*plan.centres.T)
     halves = np.flatnonzero((inner < middle) & (middle < outer))
     on_middle = np.abs(radius - (inner + outer) / 2) < 0.1 * (outer - inner)
     edges: dict[tuple[int, ...], list[Integers]] = {}
@@ -273,8 +272,7 @@ def hexahedra(parts: Sequence[Part], *, sizes: Sequence[float], around: int = 24
     BadInput : a part that does not stand upright, or one that reaches through a cut.
     CheckFailed : cells inside out, or a part that they do not fill.
     """
-    uprights = [upright(part) for part in parts]
-    limits = [-np.inf, *cuts, np.inf]
+    uprights, limits = [upright(part) for part in parts], [-np.inf, *cuts, np.inf]
     pieces = [
         _extruded(group, uprights, size, around)
         for size, (low, high) in zip(sizes, pairwise(limits), strict=True)
@@ -366,17 +364,15 @@ def _extruded(group: Sequence[Upright], all_parts: Sequence[Upright], size: floa
     ends = np.sort([h for u in group for prism in (*u.solids, *u.voids) for h in (prism.bottom, prism.top)])
     breaks = ends[np.concatenate([[True], np.diff(ends) > SAME])]
     between = [_graded(low, high, size)[:-1] for low, high in pairwise(breaks)]
-    heights = np.concatenate([*between, breaks[-1:]])
-    numbers = {u.name: number for number, u in enumerate(all_parts)}
+    heights, numbers = np.concatenate([*between, breaks[-1:]]), {u.name: number for number, u in enumerate(all_parts)}
     chosen = [
         (layer, quads, numbers[u.name])
         for layer, (low, high) in enumerate(pairwise(heights))
         for u in group
         if len(quads := np.flatnonzero(u.holds(plan.centres, (low + high) / 2)))
     ]
-    levels = np.sort(np.concatenate([heights, (heights[1:] + heights[:-1]) / 2]))
     # Cells of the chosen quadrilaterals of each layer; node n of level l is l times the nodes of the plan plus n
-    count = len(plan.points)
+    levels, count = np.sort(np.concatenate([heights, (heights[1:] + heights[:-1]) / 2])), len(plan.points)
     # For every node of a hexahedron the node of the nine-node quadrilateral below it
     nine = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0], [1, 0.5], [0.5, 1], [0, 0.5], [0.5, 0.5]])
     quad_place = np.array([int(np.flatnonzero((nine == node[:2]).all(axis=1))[0]) for node in LOCAL_HEX27])

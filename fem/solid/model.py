@@ -50,8 +50,7 @@ def structure(
         to be held at, too many degrees of freedom, a size that is none.
     CheckFailed : no valid mesh.
     """
-    sizing = Sizing(size=size, fineness=fineness, refinement=refinement, largest=largest)
-    found = bodies(article)
+    sizing, found = Sizing(size=size, fineness=fineness, refinement=refinement, largest=largest), bodies(article)
     made = _hexahedra(article, sizing)
     if made is None:
         name = cache.key("tetrahedra", {"bodies": [[body.name, body.fingerprint] for body in found], "sizing": sizing.described})

@@ -126,8 +126,7 @@ _EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3))
 def _re_entrant(gmsh: Any) -> list[int]:
     """Tags of the re-entrant curves of the current model, which is meshed with first-order tetrahedra."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    points = np.reshape(coordinates, (-1, 3))[np.argsort(tags)]
-    number = np.zeros(int(max(tags)) + 1, dtype=np.int64)
+    points, number = np.reshape(coordinates, (-1, 3))[np.argsort(tags)], np.zeros(int(max(tags)) + 1, dtype=np.int64)
     number[np.sort(tags)] = np.arange(len(tags))
     cells = number[np.concatenate(gmsh.model.mesh.getElements(3)[2]).astype(np.int64)].reshape(-1, 4)
     pairs, angles = [], []
@@ -140,8 +139,7 @@ def _re_entrant(gmsh: Any) -> list[int]:
         angles.append(np.arctan2(np.linalg.norm(np.cross(*sides), axis=1), np.sum(sides[0] * sides[1], axis=1)))
     edges, where = np.unique(np.vstack(pairs), axis=0, return_inverse=True)
     around = np.bincount(where.ravel(), weights=np.concatenate(angles))
-    sharp = {tuple(edge) for edge in edges[(around > HALF_A_TURN) & (around < FULL_TURN)].tolist()}
-    found = []
+    sharp, found = {tuple(edge) for edge in edges[(around > HALF_A_TURN) & (around < FULL_TURN)].tolist()}, []
     for _, curve in gmsh.model.getEntities(1):
         nodes = [np.reshape(group, (-1, 2)) for group in gmsh.model.mesh.getElements(1, curve)[2]]
         own = np.sort(number[np.vstack(nodes).astype(np.int64)], axis=1).tolist() if nodes else []
@@ -419,15 +417,12 @@ def _mesh(model: _Model, sizes: Sizing) -> SolidMesh:
         mesh.optimize(method)
     inverted = _inverted(model)
     if len(inverted):
-        worst = [model.gmsh.model.mesh.getElement(tag) for tag in inverted[:3]]
-        places = []
+        worst, places = [model.gmsh.model.mesh.getElement(tag) for tag in inverted[:3]], []
         for _, nodes, _, volume in worst:
             centre = np.mean([model.gmsh.model.mesh.getNode(node)[0] for node in nodes[:4]], axis=0)
             places.append(f"{model.name(volume)} at ({', '.join(f'{value:.1f}' for value in centre)}) mm")
         raise Unmeshable(f"{len(inverted)} elements are inverted, the worst in {'; '.join(places)}")
-    made = _read(model)
-    # It must be as large as OCC says its bodies are
-    drawn = np.zeros(len(model.names))
+    made, drawn = _read(model), np.zeros(len(model.names))  # it must be as large as OCC says its bodies are
     for volume in model.volumes:
         drawn[model.owner[volume.tag]] += MM**3 * volume.volume
     if words := assembly.unfilled(made, drawn):
@@ -553,8 +548,7 @@ def _attempt(folder: Path, bodies: Sequence[SolidBody], sizes: Sizing) -> SolidM
         (folder / left).unlink(missing_ok=True)
     # A process of its own; an interruption here ends it too
     command = [sys.executable, "-P", "-m", "fem.solid.tetrahedra", str(folder)]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(entry or os.getcwd() for entry in sys.path)}
-    words = ""
+    environment, words = {**os.environ, "PYTHONPATH": os.pathsep.join(entry or os.getcwd() for entry in sys.path)}, ""
     try:
         run = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=TIME_LIMIT, check=False)
         last = [line for line in run.stderr.splitlines() if line.strip()][-1:]

@@ -117,8 +117,7 @@ def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
         problem, remedy = "is missing: a base moves about a point", 'Add it, or state support = "ground" or "free"'
         raise BadInput(source, f"{TABLE}.reference_point", problem, remedy)
     _require_support(model, named, kind, units, source)
-    value = model.get("interface", [])
-    where = f"{TABLE}.interface"
+    value, where = model.get("interface", []), f"{TABLE}.interface"
     if not isinstance(value, list) or not all(toml_file.is_whole(node) for node in value):
         raise toml_file.wrong(value, "a list of node numbers", source, where, "Write it like [1, 2, 3]")
     twice = next((node for node in value if value.count(node) > 1), None)
@@ -396,8 +395,7 @@ def require_rigid_body(matrix: Array, source: str, field: str, remedy: str) -> I
         axis = MOTIONS[int(np.argmin(scale))]
         raise BadInput(source, field, f"has no inertia along {axis}", remedy)
     # Ten parameters of a symmetric matrix that is nearly a rigid body's
-    S = (matrix[3:, :3] - matrix[3:, :3].T) / 2
-    mass = float(np.trace(matrix[:3, :3]) / 3)
+    S, mass = (matrix[3:, :3] - matrix[3:, :3].T) / 2, float(np.trace(matrix[:3, :3]) / 3)
     inertia = Inertia(parameters=np.array([mass, S[2, 1], S[0, 2], S[1, 0], *six_from_tensor(matrix[3:, 3:])]))
     misfit = np.abs(matrix - inertia.mass_matrix) / np.outer(scale, scale)
     if misfit.max() > RIGID:

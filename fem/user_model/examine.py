@@ -204,8 +204,7 @@ def submitted(contents: Contents, description: Description) -> tuple[Submitted |
         )
     if not np.any(dofs.rigid):
         dofs = replace(dofs, rigid=dofs.rigid[:0])
-    S = diags_array(1 / dofs.scale)
-    powers = {"stiffness": 0, "mass": 2, "viscous": 1, "structural": 0}
+    S, powers = diags_array(1 / dofs.scale), {"stiffness": 0, "mass": 2, "viscous": 1, "structural": 0}
     si = {name: csr_array(u.energy * u.time ** powers[name] * (S @ A @ S)) for name, A in read.items() if A.shape == K.shape}
     whole = {name: si[name] for name in ("stiffness", "mass") if name in contents}
     scaled = {

@@ -127,8 +127,7 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
         for name, end, length in joined:
             join(hub, end, length, f"{name}@{names[node]}")
     plan = frame.Plan(nodes=np.array(points), carriers=tuple(range(len(points))), members=tuple(members), ports=tuple(ports))
-    made = frame.assemble(plan)
-    size = 6 * len(points)
+    made, size = frame.assemble(plan), 6 * len(points)
     # By part its mass: that of a member, and those on nodes
     part_mass = {}
     for one in members if weighs else ():  # alone, beside an empty port that keeps the size
@@ -170,8 +169,7 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
     def kept(matrix: Array, times: float = 1.0) -> Sparse:
         return csr_array(times * matrix[np.ix_(free, free)])
 
-    parts_of = _names(members)
-    stiffness = {name: kept(K, count) for name, K in made.stiffness.items()}
+    parts_of, stiffness = _names(members), {name: kept(K, count) for name, K in made.stiffness.items()}
     weighing = {name: kept(M, count if name in parts_of else 1.0) for name, M in part_mass.items()}
     shown = [*range(len(names)), *(node for one in members for node in one.nodes[1:-1])]
     freedoms = carriers.own.reshape(-1, 6)[shown]
@@ -226,8 +224,7 @@ def _geometric(
     plan: frame.Plan, members: list[frame.Member], K: Array, loads: Array, bent: list[int], size: int, count: int
 ) -> dict[str, Array]:
     """By member (size, size) what its axial force under `loads` adds to its stiffness; the nodes `bent` stand still."""
-    free = np.setdiff1d(np.arange(size), bent)
-    u = np.zeros(size)
+    free, u = np.setdiff1d(np.arange(size), bent), np.zeros(size)
     u[free] = np.linalg.solve(count * K[np.ix_(free, free)], loads[free])
     found = {}
     for one in members:
@@ -285,7 +282,6 @@ def _material(value: Any, source: str, where: str) -> tuple[article.Material, bo
 
 def _direction(value: Any, source: str, where: str) -> Array:
     word = value.removeprefix("-") if isinstance(value, str) else value
-    axis = toml_file.one_of(word, MOTIONS[:3], source=source, where=where)
-    found = np.zeros(3)
+    axis, found = toml_file.one_of(word, MOTIONS[:3], source=source, where=where), np.zeros(3)
     found[MOTIONS.index(axis)] = -1.0 if word != value else 1.0
     return found

@@ -126,8 +126,7 @@ def _by_nodes(contents: Contents, description: Description, n: int) -> DofMap:
         return DofMap(
             labels=labels, scale=scale, rigid=rigid, held=held, points=np.zeros((0, 3)), translations=none, rotations=none
         )
-    nodes = contents.whole("nodes", (-1,))
-    coordinates = contents.numbers("coordinates", (-1, 3))
+    nodes, coordinates = contents.whole("nodes", (-1,)), contents.numbers("coordinates", (-1, 3))
     if len(nodes) != len(coordinates):
         problem = f"holds {len(coordinates)} points for {len(nodes)} nodes"
         raise contents.refused("coordinates", problem, "Write one row x, y, z for every entry of nodes")
@@ -362,16 +361,14 @@ def _springs(
         if name != GROUND and name not in motions:
             problem = f"names the place {name!r}, which is none of fe_model.places"
             raise BadInput(source, where, problem, f"{toml_file.nearest(name, motions)}Places are {', '.join(motions) or 'none'}")
-    at = motions[joint.at or joint.between[0]].point
-    between = csr_array((6, structure.mass.shape[0]))
+    at, between = motions[joint.at or joint.between[0]].point, csr_array((6, structure.mass.shape[0]))
     for sign, name in zip((-1, 1), joint.between, strict=True):
         if name == GROUND:
             continue
         side = motions[name]
         arm = np.zeros(3) if at is None or side.point is None else at - side.point
         lever = rigid_transformation_6(arm)
-        moved = csr_array(csr_array(lever) @ side.rows)
-        moving = np.diff(side.rows.indptr) > 0
+        moved, moving = csr_array(csr_array(lever) @ side.rows), np.diff(side.rows.indptr) > 0
         for k in np.flatnonzero(stiffness):
             needed = np.flatnonzero(lever[k])
             if not np.all(moving[needed]):

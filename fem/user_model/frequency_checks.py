@@ -207,8 +207,7 @@ def _factor_named(factor: float) -> tuple[bool, str]:
     """Whether a unit makes all frequencies `factor` times as high, and what to do."""
     if min(abs(factor * 2 * np.pi - 1), abs(factor / (2 * np.pi) - 1)) < 0.01:
         return True, "A factor of 2 pi: rad/s are stated as Hz, or the time of the units is not the second"
-    square = factor**2
-    slips = {**description.SLIPS, **STIFFER}
+    square, slips = factor**2, {**description.SLIPS, **STIFFER}
     named = next((words for slip, words in slips.items() if min(abs(square / slip - 1), abs(square * slip - 1)) < 0.03), "")
     words = named or "one modulus or density is wrong everywhere, by this factor or its inverse"
     over = f"Stiffness over mass is {square:.5g} times what it should be"
@@ -222,8 +221,7 @@ def _lumped(model: Submitted) -> Iterator[tuple[str, Sparse]]:
     labels, M = model.dofs.labels, model.mass
     if not len(labels) or model.reduced or M.count_nonzero() == np.count_nonzero(M.diagonal()):
         return
-    moving = labels[:, 1] <= 3
-    sums = np.zeros(len(labels))
+    moving, sums = labels[:, 1] <= 3, np.zeros(len(labels))
     for component in (1, 2, 3):
         along = labels[:, 1] == component
         sums[along] = np.asarray(M[along][:, along].sum(axis=1)).ravel()
@@ -342,8 +340,7 @@ def modal(contents: description.Contents, described: description.Description) ->
                     Finding(check="order of modes", what=what, where=f"mode {wrong[0] + 1}", amount=amount, remedy=remedy)
                 )
     if ratio is not None and np.any((ratio < 0) | (ratio >= 1)):
-        wrong = np.flatnonzero((ratio < 0) | (ratio >= 1))
-        feeds = bool(np.any(ratio < 0))
+        wrong, feeds = np.flatnonzero((ratio < 0) | (ratio >= 1)), bool(np.any(ratio < 0))
         what = "a damping ratio of 1 and more: per cent are written for shares"
         if feeds:
             what = "a negative damping ratio feeds energy in"
@@ -368,8 +365,7 @@ def modal(contents: description.Contents, described: description.Description) ->
             "Write participation of modes normalised to unit modal mass, about the reference point, in the units of rigid_mass"
         )
         if np.any(shares > 1 + matrices.EXCESS):
-            worst = int(np.argmax(shares))
-            turning = bool(np.all(shares[:3] <= 1 + matrices.EXCESS))
+            worst, turning = int(np.argmax(shares)), bool(np.all(shares[:3] <= 1 + matrices.EXCESS))
             what = "the modes carry more than the rigid mass" + (
                 ", in rotations only: another reference point or unit of length"
                 if turning

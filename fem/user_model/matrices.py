@@ -344,8 +344,7 @@ def _require_mechanics(found: Structure, contents: Contents, description: Descri
     there = np.any(found.rigid, axis=0)  # a model of one plane has no motion out of it
     R = found.rigid[:, there]
     momenta = np.asarray(found.mass @ R)
-    inertia = np.sum(R * momenta, axis=0)
-    names = [name for name, moves in zip(MOTIONS, there, strict=True) if moves]
+    inertia, names = np.sum(R * momenta, axis=0), [name for name, moves in zip(MOTIONS, there, strict=True) if moves]
     if np.any(inertia <= 0):
         problem = f"is indefinite: the whole has the inertia {inertia.min():.6g} [SI] along {names[int(np.argmin(inertia))]}"
         raise contents.refused("mass", problem, "Check the rows and columns of the interface in M, and the coordinates")
@@ -404,8 +403,7 @@ def factored(A: Sparse) -> Factored:
     except RuntimeError:
         lu = splu(B + csc_array(diags_array(np.full(B.shape[0], SINGULAR / 10))), "MMD_AT_PLUS_A", 0.0, options=options)
     pivots = lu.U.diagonal()
-    zero = np.flatnonzero(np.abs(pivots) <= SINGULAR)
-    columns = np.argsort(lu.perm_c)
+    zero, columns = np.flatnonzero(np.abs(pivots) <= SINGULAR), np.argsort(lu.perm_c)
     negative = int(np.count_nonzero(pivots < -SINGULAR))
     return Factored(solve=lambda b: scale[:, None] * lu.solve(scale[:, None] * b), negative=negative, zero=columns[zero])
 
@@ -483,8 +481,7 @@ def modes(contents: Contents, description: Description) -> Modes:
         problem = f"must ascend, found {frequency[k]:.6g} Hz for mode {k + 1} and {frequency[k + 1]:.6g} Hz for mode {k + 2}"
         remedy = "Sort frequency, damping_ratio and the columns of participation together; here nobody knows which are sorted"
         raise contents.refused("frequency", problem, remedy)
-    n = len(frequency)
-    u = description.units
+    n, u = len(frequency), description.units
     rigid = contents.numbers("rigid_mass", (6, 6)) * np.outer(u.six, u.six) * u.mass
     participation = contents.numbers("participation", (6, n)) * u.six[:, None] * np.sqrt(u.mass)
     about = "Write the 6 x 6 mass matrix about the reference point: products are matrix entries, Ixy = -∫xy dm"

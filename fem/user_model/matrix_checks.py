@@ -157,8 +157,7 @@ def entries(model: Submitted) -> tuple[Submitted, list[Finding]]:
             negative = negative[np.abs(diagonal[negative]) > 1e-6 * scale]
         if not negative.size:
             continue
-        worst = negative[np.argsort(diagonal[negative])]
-        every = len(negative) > len(diagonal) / 2
+        worst, every = negative[np.argsort(diagonal[negative])], len(negative) > len(diagonal) / 2
         what = f"the {name} has the wrong sign" if every else f"the {name} is negative on the diagonal"
         where = model.places_of(worst)
         amount = f"{len(negative)} of {len(diagonal)} diagonal entries, down to {diagonal[worst[0]]:.4g} [SI]"
@@ -230,8 +229,7 @@ def parts(whole: Mapping[str, Sparse], shares: Mapping[str, Mapping[str, Sparse]
             amount = f"{size[0]} x {size[1]} where {A.shape[0]} x {A.shape[1]} belongs"
             yield Finding(check="parts", what=what, where=f"array `{name}/{odd}`", amount=amount, remedy=remedy)
             continue
-        D = coo_array(A - sum(every[1:], every[0]))
-        scale = abs(A).max(axis=1).toarray().ravel()
+        D, scale = coo_array(A - sum(every[1:], every[0])), abs(A).max(axis=1).toarray().ravel()
         row, column = D.coords
         off = np.abs(D.data) / np.maximum(np.sqrt(scale[row] * scale[column]), 1e-9 * scale.max(initial=1e-300))
         if not len(off) or off.max() <= ADDED_UP:
@@ -269,8 +267,7 @@ def connections(model: Submitted) -> tuple[Submitted, list[Finding]]:
     stiff, heavy = (np.asarray(abs(A).sum(axis=1)).ravel() > 0 for A in (K, M))
     size = float(np.ptp(model.places, axis=0).max()) if len(model.places) else 0.0
     free = np.isin(np.arange(K.shape[0]), model.free)
-    unstiff = np.flatnonzero(~stiff & heavy & free)
-    empty = np.flatnonzero(~stiff & ~heavy & free)
+    unstiff, empty = np.flatnonzero(~stiff & heavy & free), np.flatnonzero(~stiff & ~heavy & free)
     of_mass = np.isin(labels[empty, 0], labels[unstiff, 0]) if len(labels) else np.zeros(len(empty), dtype=bool)
     beside, empty = empty[of_mass], empty[~of_mass]
     if empty.size:
@@ -287,8 +284,7 @@ def connections(model: Submitted) -> tuple[Submitted, list[Finding]]:
         amount = f"{len(unstiff)} degree(s) of freedom, {float(M.diagonal()[unstiff].max()):.4g} [SI] of mass on one of them"
         found.append(Finding(check="no stiffness", what=what, where=model.places_of(unstiff), amount=amount, remedy=remedy))
     if size and not model.reduced and len(model.nodes) == len(np.unique(model.nodes)):
-        pairs = cKDTree(model.places).query_pairs(TOUCHING * size, output_type="ndarray")
-        apart = []
+        pairs, apart = cKDTree(model.places).query_pairs(TOUCHING * size, output_type="ndarray"), []
         for first, second in model.nodes[pairs]:
             a, b = (rows[stiff[rows]] for rows in (model.rows_of(int(first)), model.rows_of(int(second))))
             if a.size and b.size and not K[a][:, b].count_nonzero():
@@ -299,8 +295,7 @@ def connections(model: Submitted) -> tuple[Submitted, list[Finding]]:
             )
             x, y, z = model.places[np.flatnonzero(model.nodes == apart[0][0])[0]]
             what = "nodes lie on one place and are not connected: the meshes of two parts that touch, but were never joined"
-            where = f"nodes {listed}, the first at ({x:.4g}, {y:.4g}, {z:.4g}) m"
-            amount = f"{len(apart)} pair(s)"
+            where, amount = f"nodes {listed}, the first at ({x:.4g}, {y:.4g}, {z:.4g}) m", f"{len(apart)} pair(s)"
             remedy = "Merge them, or join them by an element; if they may slide on each other, leave them"
             found.append(Finding(check="coincident", what=what, where=where, amount=amount, remedy=remedy))
     gone = np.concatenate([empty, unstiff, beside])
@@ -415,8 +410,7 @@ def rigid_motions(model: Submitted, lowest: float | None) -> tuple[Submitted, li
 def _explanations(model: Submitted, weighed: Array, d: Array, rows: Integers) -> Iterator[tuple[str, str, str, str, Array]]:
     """Rigid motions as they would be without one slip: its check, words, where, remedy and the motions (n, 6)."""
     K, T, labels = model.stiffness, model.dofs.rigid, model.dofs.labels
-    physical = labels[:, 1] > 0
-    lever = np.zeros_like(T)
+    physical, lever = labels[:, 1] > 0, np.zeros_like(T)
     lever[:, 3:] = np.where((labels[:, 1] <= 3)[:, None] & physical[:, None], T[:, 3:], 0.0)
     turning = T - lever
     # The unit of length, and degrees for radians: K (turning + s lever) = 0 in the least-squares sense
@@ -470,8 +464,7 @@ def _explanations(model: Submitted, weighed: Array, d: Array, rows: Integers) ->
     )
     if place is not None:
         for order, signs in turns[1:]:
-            made = turning.copy()
-            x = place[:, order] * np.array(signs) - model.reference_point
+            made, x = turning.copy(), place[:, order] * np.array(signs) - model.reference_point
             for row in range(3):
                 chosen = labels[:, 1] == row + 1
                 made[chosen, 3:] = np.cross(np.eye(3), x[chosen, None])[:, :, row]
@@ -485,8 +478,7 @@ def _explanations(model: Submitted, weighed: Array, d: Array, rows: Integers) ->
         A = K[:, own].toarray() / d[:, None]
         moved = np.stack([-A @ skew(axis)[labels[own, 1] - 1] for axis in np.eye(3)], axis=-1)  # (n, 3 rotations, 3)
         shift, *_ = np.linalg.lstsq(moved.reshape(-1, 3), -weighed[:, 3:].reshape(-1), rcond=None)
-        shift = np.where(np.abs(shift) > 1e-9 * np.abs(shift).max(), shift, 0.0)
-        made = T.copy()
+        shift, made = np.where(np.abs(shift) > 1e-9 * np.abs(shift).max(), shift, 0.0), T.copy()
         made[own, 3:] += -skew(shift)[labels[own, 1] - 1]
         x, y, z = shift
         remedy = "Correct its coordinates"
@@ -585,8 +577,7 @@ def mass(model: Submitted, units: UnitSystem) -> list[Finding]:
                 f" Nodes without rows, such as {gone[0]}, may have had what is missing." if missing and gone and not unit else ""
             )
             what = "the mass is off by the factor of a unit" if unit else "the mass is not the stated one"
-            where = "array `mass`"
-            remedy = error.remedy + more
+            where, remedy = "array `mass`", error.remedy + more
             return [Finding(check="unit of mass" if unit else "total mass", what=what, where=where, amount=amount, remedy=remedy)]
         distance = np.linalg.norm(
             model.reference_point + inertia.first_moment / inertia.mass - (0.0 if model.stated.cog is None else model.stated.cog)
@@ -628,8 +619,7 @@ def _material(model: Submitted, total: float) -> Iterator[Finding]:
     place = model.places[order[np.searchsorted(model.nodes, labels[:, 0], sorter=order).clip(max=len(order) - 1)]]
     pattern = coo_array(model.stiffness)
     i, j = pattern.coords
-    apart = np.linalg.norm(place[i] - place[j], axis=1)
-    near = np.full(len(labels), np.inf)
+    apart, near = np.linalg.norm(place[i] - place[j], axis=1), np.full(len(labels), np.inf)
     other = apart > 0
     np.minimum.at(near, i[other], apart[other])
     usable = np.flatnonzero((labels[:, 1] <= 3) & (m > 0) & (k > 0) & np.isfinite(near))
@@ -639,12 +629,10 @@ def _material(model: Submitted, total: float) -> Iterator[Finding]:
     numbers, which = np.unique(labels[usable, 0], return_inverse=True)
     fastest = np.zeros(len(numbers))
     np.maximum.at(fastest, which, speeds)
-    speed = float(np.median(fastest))
-    consistent = M.count_nonzero() > np.count_nonzero(m)
+    speed, consistent = float(np.median(fastest)), M.count_nonzero() > np.count_nonzero(m)
     if SOUND[0] < speed < SOUND[1] or (speed <= SOUND[0] and not consistent):
         return
-    ratio = speed / 5_000.0
-    slips = {**description.SLIPS, 1e12: "N/mm² and N/m² with metres and millimetres confused"}
+    ratio, slips = speed / 5_000.0, {**description.SLIPS, 1e12: "N/mm² and N/m² with metres and millimetres confused"}
     factor = min(slips, key=lambda slip: abs(np.log(max(ratio, 1 / ratio) ** 2 / slip)))
     what = "sound would travel in it as in no material: stiffness, mass and length are not of one system of units"
     amount = f"about {speed:.3g} m/s from node to node; steel has 5000"

@@ -181,8 +181,7 @@ def _on_common_rows(found: dict[str, tuple[Array, Integers, Integers, bool]], pa
     from scipy.sparse import coo_array, csr_array
 
     dof = np.unique(np.concatenate([labels for _, rows, columns, _ in found.values() for labels in (rows, columns)]), axis=0)
-    index = {(int(node), int(component)): k for k, (node, component) in enumerate(dof)}
-    made = {}
+    index, made = {(int(node), int(component)): k for k, (node, component) in enumerate(dof)}, {}
     for name, (values, rows, columns, symmetric) in found.items():
         i, j = (np.array([index[int(node), int(c)] for node, c in labels]) for labels in (rows, columns))
         if symmetric:
@@ -270,8 +269,7 @@ def read_hdf5(path: Path) -> Contents:
             if total > LARGEST_BYTES:
                 problem = f"its datasets would take {total / 2**30:.3g} GiB, more than {LARGEST_BYTES / 2**30:.3g}"
                 raise BadInput(source, "", problem, TOO_LARGE)
-            arrays = {name: np.asarray(dataset[()]) for name, dataset in found.items()}
-            text = None
+            arrays, text = {name: np.asarray(dataset[()]) for name, dataset in found.items()}, None
             if "description" in file.attrs:  # told by its type first: the library fails on a damaged one in ways nobody can catch
                 if h5py.check_string_dtype(file.attrs.get_id("description").dtype) is None:
                     raise BadInput(source, "description", "is no text", _WRITE_AGAIN)

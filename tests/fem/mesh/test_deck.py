@@ -509,6 +509,7 @@ def test_the_node_of_a_rigid_link_is_a_place_by_its_number(tmp_path: Path) -> No
         ("RBE2,9,1,123456,4,1.2-5\nMPC,9,1,1,1.,5,0,1.", "MPC 1: a scalar point is in it"),
         ("MPC,9,1,1,1.,5,1,1.\nMPC,8,1,1,1.,5,1,1.", "MPC sets 9, 8: more than one, and none that is called alone"),
         ("PROD,2,1,5.,7.\nCROD,2,2,1,5", "PROD 2: its stiffness in torsion"),
+        ("PBUSH,9,K,5.,5.,5.\n,,M,2.\nCBUSH,9,9,1,,,,,0", "PBUSH 9: its mass (M)"),
         ("PTUBE,2,1,9.,1.,,7.\nCTUBE,2,2,1,5", "PTUBE 2: a taper"),
         ("CONM2,9,1,,-5.", "CONM2 9: its mass is not above zero"),
         ("PBAR,2,1,9.,9.,9.\nCBAR,2,2,1,5,1.,0.,0.", "PBAR 2: it has no stiffness in torsion (J), and twists freely"),

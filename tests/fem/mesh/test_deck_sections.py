@@ -126,11 +126,9 @@ def test_a_point_of_a_beam_beside_its_nodes_moves_with_both(tmp_path: Path) -> N
     np.testing.assert_allclose(row[:, 4], [APART / 1e3, 0.0, -LENGTH / 2e3], atol=1e-9)
 
 
-@pytest.mark.parametrize("card", ["CBAR,{n},1,{a},{b}", "CBAR,{n},1,{a},{b},99"])
-def test_a_bar_of_no_direction_is_refused_unless_its_part_has_one(card: str, tmp_path: Path) -> None:
-    """It states none, or a point that is not there."""
+def test_a_bar_of_no_direction_is_refused_unless_its_part_has_one(tmp_path: Path) -> None:
     with pytest.raises(BadInput, match="or the deck states none"):
-        loaded([*cantilever(card), section(1, WEB)], tmp_path)
+        loaded([*cantilever("CBAR,{n},1,{a},{b}"), section(1, WEB)], tmp_path)
     text = (tmp_path / "one.toml").read_text()
     (tmp_path / "one.toml").write_text(text.replace("section = { ", "section = { z_axis = [0, 0, 1], "))
     made = model.load(tmp_path / "one.toml")[1]

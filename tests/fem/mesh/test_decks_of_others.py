@@ -11,6 +11,7 @@ from fem.structure import Structure
 from fem.user_model import reading
 from fem.user_model.examine import examine
 from geometry.errors import BadInput
+from geometry.frames import Array, skew
 
 MATERIAL = "*MATERIAL, NAME=STEEL\n*ELASTIC\n2.1E11, 0.3\n*DENSITY\n7850.\n"
 
@@ -295,6 +296,41 @@ def test_steel_that_would_be_soft_is_none(slip: str, E: float, rho: float, tmp_p
         deck.described(tmp_path / "deck.bdf")
 
 
+def in_mm(folder: Path, E: float, rho: str, more: str = "") -> Path:
+    text = (
+        PLATE.format(axes="", cd="", held=f"SPC1,1,123456,1,4\n{more}")
+        .replace(".002", "2.")
+        .replace("2.1+11,,0.3,7850.", f"{E},,.3,{rho}")
+    )
+    (folder / "deck.bdf").write_text(text)
+    return folder / "deck.bdf"
+
+
+@pytest.mark.parametrize(("E", "rho", "now"), [(21e3, "8.-10", 7845.32), (7.2e3, "2.75-10", 2696.82875)])
+def test_metals_in_kgf_and_millimetres_are_metals(E: float, rho: str, now: float, tmp_path: Path) -> None:
+    """Steel was taken for wood of 800 kg/m³ in mm-t-N-s, and all masses came out 9.8 times too low."""
+    said, lost = deck.described(in_mm(tmp_path, E, rho, "CONM2,9,2,,1.-4\n"))
+    assert lost == ()
+    assert 'units = "mm-kgf-s"' in said
+    assert f'density = "{now} kg/m^3"' in said
+    assert 'mass = "0.980665 kg"' in said
+
+
+@pytest.mark.parametrize(
+    ("E", "rho", "words"),
+    [
+        (11e3, "4.5-10", "its units cannot be told: mm-t-N-s and mm-kgf-s make known materials"),  # spruce, or titanium in kgf
+        (21e3, "7.85-9", "its units cannot be told: none of"),  # kgf/mm² beside t/mm³
+        (21e3, "7.85-6", "its densities are weights, not masses, in mm-kgf-s. Divide them by 9806.65"),
+    ],
+)
+def test_what_may_be_wood_or_metal_in_kgf_is_asked_for(E: float, rho: str, words: str, tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match=words):
+        deck.described(in_mm(tmp_path, E, rho))
+    (tmp_path / "deck.bdf").write_text(in_mm(tmp_path, 11e3, "4.5-10").read_text())
+    assert 'density = "450 kg/m^3"' in deck.described(tmp_path / "deck.bdf", "mm-t-N-s")[0]
+
+
 @pytest.mark.parametrize(("E", "rho"), [(16e9, 11340.0), (1.4e10, 11340.0), (45e9, 1740.0), (3e9, 1200.0), (3.9e11, 19300.0)])
 def test_lead_and_what_is_stiffer_or_lighter_is_a_material(E: float, rho: float, tmp_path: Path) -> None:
     text = PLATE.format(axes="", cd="", held="SPC1,1,123456,1,4\n").replace("2.1+11,,0.3,7850.", f"{E},,.3,{rho}")
@@ -392,3 +428,142 @@ def test_a_taper_whose_output_is_not_asked_for_is_said(tmp_path: Path) -> None:
     for word in ("YES", ""):
         (lost,) = told(tmp_path, PLATE.format(axes="", cd="", held=f"SPC1,1,123456,1,4\n{beam.format(word)}"), "deck.bdf")[2]
         assert lost == "PBEAML 3: a taper; it is as at its first end"
+
+
+BARS = (
+    "MAT1,1,2.1+11,,0.3,7850.\nPBAR,1,1,1.-4,1.-9,1.-9,2.-9\nGRID,1,,0.,0.,0.\nGRID,2,,.1,0.,0.\nGRID,3,,.2,0.,0.\n"
+    "CBAR,1,1,1,2,0.,0.,1.\nCBAR,2,1,2,3,0.,0.,1.\nSPC1,1,123456,1\n"
+)
+
+
+def hertz(folder: Path, more: str) -> Array:
+    structure, _, lost = told(folder, f"{BARS}{more}ENDDATA\n", "deck.bdf")
+    assert lost == ()
+    assert structure is not None
+    return np.asarray(fixed_base(structure, 6).frequency)
+
+
+@pytest.mark.parametrize(
+    ("ends", "holds"),
+    [
+        ("50,0", "SPC1,1,0,50"),
+        ("50", "SPC1,1,,50"),
+        ("50,0", "SPC,1,50,1,0."),
+        ("50,0", "SPC,1,50,,0.\nSPOINT,48,THRU,51"),
+        ("50", "SPC1,1,1,50\nSPOINT,50"),
+    ],
+)
+def test_a_scalar_point_that_is_held_is_the_ground(ends: str, holds: str, tmp_path: Path) -> None:
+    """The spring was lost, or its scalar point said not to be there."""
+    wanted = hertz(tmp_path, "CELAS2,9,1.+5,3,2\n")
+    assert wanted[1] > 1.1 * hertz(tmp_path, "")[1]  # the first is across it
+    np.testing.assert_allclose(hertz(tmp_path, f"CELAS2,9,1.+5,3,2,{ends}\n{holds}\n"), wanted, rtol=1e-9)
+
+
+def test_masses_of_single_freedoms_make_one_where_they_are_a_bodys(tmp_path: Path) -> None:
+    """CMASS1, CMASS2 and CONM1, along axes of their own; all were lost."""
+    turned = "CORD2R,3,,0.,0.,0.,0.,0.,1.\n,0.,1.,0.\n"
+    wanted = hertz(tmp_path, "CONM2,9,3,,2.5,.03,0.,.01\n,2.-2,0.,3.-2,1.-3,0.,4.-2\n")
+    assert wanted[0] < 0.9 * hertz(tmp_path, "")[0]
+    # The same about the node; x is -y of system 3, and y its x
+    m, S = 2.5, skew(np.array([0.03, 0.0, 0.01]))
+    J = np.array([[0.02, 0, -1e-3], [0, 0.03, 0], [-1e-3, 0, 0.04]]) - m * S @ S
+    M = np.block([[m * np.eye(3), -m * S], [m * S, J]])
+    R = np.kron(np.eye(2), [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    for cid, own in (("", M), ("3", R @ M @ R.T)):
+        words = [f"{one:.9g}" for one in own[np.tril_indices(6)]]
+        rows = [f"CONM1,9,3,{cid},{','.join(words[:5])}", *("," + ",".join(words[k : k + 8]) for k in (5, 13))]
+        np.testing.assert_allclose(hertz(tmp_path, "\n".join([turned, *rows, ""])), wanted, rtol=1e-6)
+    alike = "".join(f"CMASS2,{k},2.5,3,{k}\n" for k in (1, 2, 3)) + "PMASS,7,.02,8,.03\n"
+    alike += "CMASS1,4,7,3,4\nCMASS1,5,8,3,5\nCMASS1,6,8,0,,3,6\n"
+    wanted = hertz(tmp_path, "CONM2,9,3,,2.5\n,2.-2,0.,3.-2,0.,0.,3.-2\n")
+    np.testing.assert_allclose(hertz(tmp_path, alike), wanted, rtol=1e-9)
+    beside = alike.partition("PMASS")[2].join(["PMASS", "CONM2,9,3,,2.5\n"])
+    np.testing.assert_allclose(hertz(tmp_path, beside), wanted, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ("CMASS2,9,2.5,3,1\n", "CMASS2 9: its mass is not alike in all directions, as that of a body is"),
+        ("CMASS2,9,2.5,3,4\n", "CMASS2 9: no mass is at its node"),
+        ("CMASS2,9,2.5,3,1,2,1\n", "CMASS2 9: it joins two motions, or its mass is not here"),
+        ("CELAS2,9,1.+5,3,2,50\n", "CELAS2 9: it ends at a scalar point that moves"),
+    ],
+)
+def test_masses_of_no_body_and_scalar_points_that_move_are_lost(more: str, words: str, tmp_path: Path) -> None:
+    assert told(tmp_path, f"{BARS}{more}ENDDATA\n", "deck.bdf")[2] == (words,)
+
+
+CALLS = "SOL 103\nCEND\n{}\nBEGIN BULK\n" + BARS + "SPC1,2,123456,3\n{}ENDDATA\n"
+
+
+@pytest.mark.parametrize("calls", ["INCLUDE 'case.inc'", "$ BEGIN BULK is below\nSPC = 2 $ the tip", "SPC 2", "spc=2"])
+def test_what_the_case_control_calls_is_held_wherever_it_stands(calls: str, tmp_path: Path) -> None:
+    """Of a file that it includes it was said to call none, and a comment that names BEGIN BULK ended it."""
+    (tmp_path / "case.inc").write_text("METHOD = 1\nSPC = 2\n")
+    _, said, lost = told(tmp_path, CALLS.format(calls, ""), "deck.bdf")
+    assert lost == ()
+    assert "nodes = [3]" in said
+
+
+def test_a_set_that_is_called_and_is_not_there_is_said(tmp_path: Path) -> None:
+    """The only one that is there was taken in its place. One that is added up in another is no choice."""
+    (lost,) = told(tmp_path, CALLS.format("SPC = 7", "").replace("SPC1,2,123456,3\n", ""), "deck.bdf")[2]
+    assert lost == "SPC set 7: the case control calls it, and it is not there"
+    both = told(tmp_path, BARS + "SPC1,2,123456,3\nSPCADD,5,1,2\nENDDATA\n", "deck.bdf")
+    assert both[2] == ()
+    assert both[1].count("[fe_model.links.") == 2
+
+
+def test_an_included_file_of_the_case_control_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    """It may call what holds the structure; one of the orders before CEND is the program's own."""
+    with pytest.raises(BadInput, match=r"line 3`: it includes 'case.inc', which is not there"):
+        told(tmp_path, CALLS.format("INCLUDE 'case.inc'", ""), "deck.bdf")
+    assert told(tmp_path, "INCLUDE 'alter.v9'\n" + CALLS.format("SPC=1", ""), "deck.bdf")[2] == ()
+
+
+@pytest.mark.parametrize(
+    ("was", "now", "words"),
+    [
+        ("CBAR,2,1,2,3,0.,0.,1.", "CBAR,2,1,2,3,77", "G0 of beam 2, which tells how it is turned, is node 77, which is not"),
+        ("SPC1", "PBUSH,8,K,1.+5\nCBUSH,8,8,3,,,,,5\nSPC1", r"deck.bdf: `CORD`: the coordinate system 5 is not there. Include"),
+    ],
+)
+def test_what_turns_something_and_is_not_there_is_named(was: str, now: str, words: str, tmp_path: Path) -> None:
+    """A beam was said to lie along its own z axis, and a spring's system to be a record that cannot be read."""
+    with pytest.raises(BadInput, match=words):
+        told(tmp_path, BARS.replace(was, now) + "ENDDATA\n", "deck.bdf")
+
+
+FREQUENCIES = "*STEP\n*FREQUENCY\n4\n{}*END STEP\n"
+FOOT, TIP = "*BOUNDARY\nFOOT, 1, 6\n", "*BOUNDARY{0}\nTIP, 1, 3\n*BOUNDARY{0}\nTIP, 4, 6\n"
+
+
+@pytest.mark.parametrize(
+    ("steps", "held"),
+    [
+        (FOOT + FREQUENCIES.format(TIP.format(", OP=NEW")), "Tip"),
+        ("*STEP\n*STATIC\n*END STEP\n" + FREQUENCIES.format(FOOT), "Root"),
+        (FOOT + FREQUENCIES.format("") + FREQUENCIES.format(TIP.format("")), "Root"),
+    ],
+)
+def test_what_is_held_is_that_of_the_step_of_frequencies(steps: str, held: str, tmp_path: Path) -> None:
+    """`OP=NEW` lets go of all before it, as in CalculiX, which had been held as well; and of a second step nothing was held."""
+    text = pinned("1, 6", "").replace("*NSET, NSET=Foot", "*NSET, NSET=Tip\n3\n*NSET, NSET=Foot")
+    _, said, lost = told(tmp_path, text.partition("*BOUNDARY")[0] + steps)
+    assert lost == ()
+    assert f'nodes = ["{held}"]' in said
+    assert said.count("[fe_model.links.") == 1
+    assert "[fe_model.holds" not in said
+
+
+@pytest.mark.parametrize("word", ["SHELL GENERAL", "MEMBRANE"])
+def test_shells_of_a_section_that_is_not_known_are_lost_beside_solids(word: str, tmp_path: Path) -> None:
+    """They weighed nothing and held nothing, without a word."""
+    nodes = "".join(f"{1 + i + 2 * j + 4 * k}, {i}., {j}., {k}.\n" for k in range(2) for j in range(2) for i in range(2))
+    cells = "*ELEMENT, TYPE=C3D8, ELSET=B\n1, 1, 2, 4, 3, 5, 6, 8, 7\n*ELEMENT, TYPE=S4, ELSET=T\n2, 5, 6, 8, 7\n"
+    text = (
+        f"*NODE\n{nodes}{cells}{MATERIAL}*SOLID SECTION, ELSET=B, MATERIAL=STEEL\n*{word} SECTION, ELSET=T, MATERIAL=STEEL\n.01\n"
+    )
+    assert told(tmp_path, text + STEP)[2] == (f"*{word} SECTION T: a keyword that is not known here",)

@@ -200,15 +200,68 @@ def test_the_core_of_a_sandwich_shears_by_either_of_its_moduli(tmp_path: Path) -
 
 
 def test_a_shell_that_bends_otherwise_than_its_thickness_says_is_a_sandwich(tmp_path: Path) -> None:
-    """12 I / t³ and ts / t of faces of 0.6 mm on a core of 12 mm, as spacecraft panels are written; the same as layers."""
+    """12 I / t³ and ts / t of faces of 0.6 mm on a core of 12 mm, as spacecraft panels are written; the same as layers.
+
+    What is beside its own mass has the radius of gyration of its faces, which the fourth mode feels.
+    """
     t, h, G = 0.6, 12.0, 150.0
     ratio = 12 * (t**3 / 6 + t * (h + t) ** 2 / 2) / (2 * t) ** 3
     metals = ["MAT1,1,70000.,,.3,2.7-9", f"MAT1,3,,{G},.3", f"MAT8,4,1.,1.,0.,1.,{G},{G}"]
     shear = (h + t) ** 2 / h / (2 * t)
-    one = described(strip(f"PSHELL,1,1,{2 * t},1,{ratio},3,{shear},1.-9", *metals, width=80.0), tmp_path)
-    layers = described(strip(f"PCOMP,1,,1.-9\n,1,{t},0.,YES,4,{h},0.,YES\n,1,{t},0.,YES", *metals, width=80.0), tmp_path)
-    np.testing.assert_allclose(hertz(one), hertz(layers), rtol=2e-3)
+    for nsm, rtol in ((0.0, 5e-4), (1e-9, 6e-3)):
+        one = described(strip(f"PSHELL,1,1,{2 * t},1,{ratio},3,{shear},{nsm}", *metals, width=80.0), tmp_path)
+        ply = f"1,{t},0.,YES"
+        layers = described(strip(f"PCOMP,1,,{nsm}\n,{ply},4,{h},0.,YES\n,{ply}", *metals, width=80.0), tmp_path)
+        np.testing.assert_allclose(hertz(one), hertz(layers), rtol=rtol)
     assert hertz(one)[0] > 10 * hertz(described(strip(f"PSHELL,1,1,{2 * t},1,,1,,1.-9", *metals, width=80.0), tmp_path))[0]
+
+
+SOFTER = "MAT1,1,70000.,,.3,2.7-9\nMAT1,2,28000.,,.3,1.-9\nMAT1,4,70000.,,.3,9.-9\nMAT1,5,,{G},.3"
+
+
+def bends(prop: str, folder: Path, G: float = 27e3) -> Array:
+    return hertz(described(strip(prop, *SOFTER.format(G=G).splitlines(), width=80.0), folder), 12)
+
+
+@pytest.mark.parametrize(("fields", "ratio"), [("1,,4", 1.0), ("1,.4,1", 0.4), ("2,,1", 0.4), ("2,2.,1", 0.8), ("4,,4", 1.0)])
+def test_a_shell_bends_by_its_second_material_and_ratio(fields: str, ratio: float, tmp_path: Path) -> None:
+    """Bent by D, stretched by A: frequencies of bending go as the root of the ratio, those of stretching stay.
+
+    Less than its thickness, or by a material of another number, had been lost.
+    """
+    plain, found = bends("PSHELL,1,1,6.,1,,1", tmp_path), bends(f"PSHELL,1,1,6.,{fields}", tmp_path)
+    np.testing.assert_allclose(found[:2] / plain[:2], np.sqrt(ratio), rtol=2e-3)  # one that is not as thick shears
+    across = plain[np.argmin(np.abs(plain / plain[0] / (80.0 / 6.0) - 1))]  # a strip is bent upright where its plane is stretched
+    assert np.abs(found / across - 1).min() < 1e-5
+
+
+def test_a_shell_shears_by_its_third_material(tmp_path: Path) -> None:
+    """G of 3 MPa over 12 mm: a strip of 400 mm bends as a beam of Timoshenko, which had been left out without a word."""
+    E, t, G, long, rho = 70e3, 12.0, 3.0, 400.0, 2.7e-9
+    prop = f"PSHELL,1,1,{t},1,,{{}}"
+    stiff, soft = (hertz(described(strip(prop.format(of), *SOFTER.format(G=G).splitlines()), tmp_path))[0] for of in (1, 5))
+    bend, shear = 1.8751**2 / long**2 * np.sqrt(E * t**2 / 12 / rho), np.pi / 2 / long * np.sqrt(5 / 6 * G / rho)
+    dunkerley = 1 / np.sqrt(1 / bend**2 + 1 / shear**2) / (2 * np.pi)
+    np.testing.assert_allclose(stiff, bend / (2 * np.pi), rtol=0.02)
+    np.testing.assert_allclose(soft, dunkerley, rtol=0.04)  # which is a lower bound
+
+
+@pytest.mark.parametrize(
+    ("prop", "words"),
+    [
+        ("PSHELL,1,1,1.", "it does not bend (MID2), and bends as its thickness says here"),
+        ("PSHELL,1,1,1.,-1", "it does not bend (MID2), and bends as its thickness says here"),
+        ("PSHELL,1,,1.,1", "it has no stiffness in its plane (MID1), and has that of its bending (MID2) here"),
+        (
+            "PSHELL,1,1,1.,7",
+            "it bends by a material that is unlike MID1 or not known here (MID2), and bends as its thickness says here",
+        ),
+        ("PSHELL,1,1,1.,1,,1\n,,,5", "its bending is coupled with its stretching (MID4)"),
+    ],
+)
+def test_what_one_layer_cannot_say_of_a_shell_is_lost(prop: str, words: str, tmp_path: Path) -> None:
+    (tmp_path / "one.bdf").write_text("\n".join([*strip(prop, SOFTER.format(G=1.0)), "ENDDATA", ""]))
+    assert deck.described(tmp_path / "one.bdf", "mm-t-N-s")[1] == (f"PSHELL 1: {words}",)
 
 
 @pytest.mark.parametrize(

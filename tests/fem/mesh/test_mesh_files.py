@@ -354,14 +354,15 @@ def test_keywords_of_abaqus_that_would_be_lost_are_refused(lines: str, tmp_path:
         files.read(path)
 
 
-def universal(*datasets: str) -> str:
+def universal(*datasets: str, behind: bool = False) -> str:
     nodes = "".join(
         f"{k} 1 1 11\n{x}. {y}. {z}.\n" for k, (x, y, z) in enumerate([(0, 0, 0), (9, 0, 0), (0, 9, 0), (0, 0, 9)], 1)
     )
     element = "1 111 1 1 7 4\n1 2 3 4\n"
     group = "1 0 0 0 0 0 0 1\nBODY\n8 1 0 0\n"
     own = (f"2411\n{nodes}", f"2412\n{element}", f"2467\n{group}")
-    return "".join(f"    -1\n{one}    -1\n" for one in (*datasets, *own))
+    every = (*own, *datasets) if behind else (*datasets, *own)
+    return "".join(f"    -1\n{one}    -1\n" for one in every)
 
 
 @pytest.mark.parametrize(
@@ -382,11 +383,12 @@ def test_a_unit_that_a_universal_file_states_is_that_of_its_description(
 
 
 @pytest.mark.parametrize(("kind", "row", "refused"), [(0, "1. 0. 0.", False), (0, "0. 1. 0.", True), (1, "1. 0. 0.", True)])
+@pytest.mark.parametrize("behind", [False, True])
 def test_nodes_of_a_universal_file_are_in_global_axes(
-    kind: int, row: str, refused: bool, meshed: Callable[..., Structure]
+    behind: bool, kind: int, row: str, refused: bool, meshed: Callable[..., Structure]
 ) -> None:
-    """They were taken for global whatever dataset 2420 says of their system."""
-    text = universal(f"2420\n1\nPART\n1 {kind} 8\nOWN\n{row}\n0. 1. 0.\n0. 0. 1.\n0. 0. 0.\n")
+    """They were taken for global whatever dataset 2420 says of their system, or says of it behind them."""
+    text = universal(f"2420\n1\nPART\n1 {kind} 8\nOWN\n{row}\n0. 1. 0.\n0. 0. 1.\n0. 0. 0.\n", behind=behind)
     parts = '[fe_model.parts.BODY]\nmaterial = "steel"'
     if not refused:
         assert meshed(text, parts, units="mm", ending="unv").rigid_mass[0, 0] > 0
