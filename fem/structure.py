@@ -41,7 +41,7 @@ class Carrier(Protocol):
         """(3, n) what moves `point` (3,) [m], riding along with the nearest point of the mesh."""
 
     def beside(self, point: Array, steps: Array, moved: Array) -> Array:
-        """(s, 3, k) what `moved` (n, k) moves what is `steps` (s, 3) [m] beside `point` (3,) [m], in one piece with that."""
+        """(s, 3, k) by how much `moved` (n, k) moves what is `steps` (s, 3) [m] beside `point` (3,) [m] otherwise than that."""
 
     def numbered(self, number: int) -> Sparse | None:
         """What each degree of freedom moves the node of that number in its file, (3, n); None where it has no such node."""
@@ -285,8 +285,7 @@ def gradients(structure: Structure, places: Sequence[str], moved: Array) -> dict
             else:
                 rows = [row @ moved for row in place_rows(structure, at + near * np.vstack([np.eye(3), -np.eye(3)]))]
                 ways = ends[:, None, None] / (2 * near) * np.subtract(rows[:3], rows[3:])[:, None]
-            pieces = CubicSpline(ends, (ways - ways[:, [len(BESIDE)]]).swapaxes(0, 1)).c
-            found[name] = Beside(ends=ends, pieces=pieces)
+            found[name] = Beside(ends=ends, pieces=CubicSpline(ends, ways.swapaxes(0, 1)).c)
     return found
 
 

@@ -215,9 +215,10 @@ class Elements:
         return [self.motion(point, name)[:3] for point, name in zip(found, named, strict=True)]
 
     def beside(self, point: Array, steps: Array, moved: Array) -> Array:
-        """(s, 3, k) what `moved` (n, k) moves what is `steps` (s, 3) [m] beside `point` (3,) [m], in one piece with that.
+        """(s, 3, k) by how much `moved` (n, k) moves what is `steps` (s, 3) [m] beside `point` (3,) [m] otherwise than there, in
+        the one piece nearest: of ends that go as one each from its own, so that nothing jumps where a joint comes to give.
 
-        Which piece that is says the `moved` that asks first.
+        Which ends do says the `moved` that asks first.
 
         Raises
         ------
@@ -227,8 +228,10 @@ class Elements:
 
         asked = point.tobytes() + steps.tobytes()
         if (rows := self._asked.get(asked)) is None:
-            piece = self._about(point, float(np.linalg.norm(steps, axis=1).max()), moved)
-            rows = self._asked[asked] = vstack([piece.riding(point + step) for step in steps])
+            pieces = self._about(point, float(np.linalg.norm(steps, axis=1).max()), moved)
+            on = [min(pieces, key=lambda one: one.nearest(there).distance) for there in point + steps]
+            rows = vstack([one.riding(point + step) - one.riding(point) for one, step in zip(on, steps, strict=True)])
+            self._asked[asked] = rows
         return np.asarray(rows @ moved).reshape(len(steps), 3, -1)
 
     @cached_property
@@ -236,9 +239,9 @@ class Elements:
         """What was asked of `beside`, (3 s, n) each: a structure is reduced again and again, its mesh stays."""
         return {}
 
-    def _about(self, point: Array, reach: float, moved: Array) -> "Elements":
-        """What of it is within `reach` [m] of `point` (3,) [m] and in one piece with what holds that: elements share nodes, one
-        with the next, or go there, where `moved` (n, k) moves it, as that does, which across a joint that gives they do not.
+    def _about(self, point: Array, reach: float, moved: Array) -> list["Elements"]:
+        """Pieces of it, whose elements share nodes, one with the next, within `reach` [m] of `point` (3,) [m]: that which holds
+        it, and those that end there and go, where `moved` (n, k) moves them, as that does.
 
         Raises
         ------
@@ -253,16 +256,16 @@ class Elements:
         blocks = [block.only(some) for block, some in own if len(some)]
         pairs = np.vstack([np.column_stack([np.repeat(b.nodes[:, 0], b.nodes.shape[1]), b.nodes.ravel()]) for b in blocks])
         graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(count, count))
-        piece, kept = connected_components(graph, directed=False)[1], list[Block]()
+        piece, kept = connected_components(graph, directed=False)[1], list[Elements]()
         goes = self._sparse(foot.moved, foot.dofs) @ moved
         for one in np.unique(piece[pairs[:, 0]]):
             there = [block.only(np.flatnonzero(piece[block.nodes[:, 0]] == one)) for block in blocks]
             found = replace(self, blocks=tuple(block for block in there if len(block.tags)))
-            other = found.nearest(point)
-            meets = other.distance <= foot.distance + WITHIN * foot.size
-            if meets and np.linalg.norm(self._sparse(other.moved, other.dofs) @ moved - goes) <= AS_ONE * np.linalg.norm(goes):
-                kept += found.blocks
-        return replace(self, blocks=tuple(kept))
+            end = found.nearest(point)
+            meets = end.distance <= foot.distance + WITHIN * foot.size
+            if meets and np.linalg.norm(self._sparse(end.moved, end.dofs) @ moved - goes) <= AS_ONE * np.linalg.norm(goes):
+                kept.append(found)
+        return kept
 
     def riding(self, point: Array) -> Sparse:
         """(3, n) what moves `point` (3,) [m], riding along with the nearest point of the mesh."""

@@ -196,9 +196,13 @@ def test_beside_a_node_where_members_meet_a_place_moves_as_that_member_on_whose_
     middle = found.places["middle"].toarray()[2]
     u = np.linalg.solve(found.stiffness.toarray(), middle)
     beside = gradients(found, ["middle"], u[:, None])["middle"]
+    (far,) = (block for block in found.elements.blocks if block.part == "far")  # which a joint that comes to give lets go
+    lifted = u + (middle @ u) * np.isin(np.arange(len(u)), found.elements.own[found.elements.first[far.nodes] + 2])
+    opened = gradients(found, ["middle"], lifted[:, None])["middle"]
     for by in (-0.06, -0.03, -0.01, 0.01, 0.03, 0.06):
         moved = place_rows(found, [0.3 + by, 0.0, 0.6])[0] @ u - found.places["middle"] @ u
         assert_allclose(beside.shifted(0, by)[0][2, 0], moved[2], atol=2e-4 * abs(middle @ u))
+        assert_allclose(opened.shifted(0, by)[0], beside.shifted(0, by)[0], atol=1e-9 * abs(middle @ u))
         slope = (beside.shifted(0, by + 1e-6)[0] - beside.shifted(0, by - 1e-6)[0]) / 2e-6
         assert_allclose(beside.shifted(0, by)[1], slope, rtol=1e-4, atol=1e-6 * np.abs(slope).max())
 
