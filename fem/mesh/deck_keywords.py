@@ -26,11 +26,11 @@ LATE = {"ELSET": 1, **dict.fromkeys(("MASS", "ROTARY INERTIA", "SPRING"), 2)}
 """What is read behind all else, as elements and sets that it names may stand behind it."""
 
 
-def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
+def _blocks(path: Path) -> list[tuple[str, dict[str, str], list[list[str]]]]:
     """Keyword, options and rows of fields, to the end of the first step, or of that which asks for frequencies, as one is; nodes
     and elements come without their rows."""
-    keyword, options, rows, steps = "", dict[str, str](), list[list[str]](), 0
-    awaited = any(re.match(r"\s*\*FREQUENCY\b", line.text, re.IGNORECASE) for line in deck_lines(path))
+    found, first, steps = list[tuple[str, dict[str, str], list[list[str]]]](), None, 0
+    keyword, options, rows, asked = "", dict[str, str](), list[list[str]](), False
     for line in deck_lines(path):
         text = line.text.strip()
         if not text.startswith("*"):
@@ -38,14 +38,15 @@ def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]
             heavy = meshed or keyword in ("NODE", "NSET")
             rows += [] if heavy else [[one.strip() for one in text.split(",")]]
             continue
-        if keyword:
-            yield keyword, options, rows
+        found += [(keyword, options, rows)] if keyword else []
         (keyword, options), rows = keyword_of(text), []
-        steps += keyword == "STEP"
-        awaited = awaited and keyword != "FREQUENCY"
-        if steps > 1 and not awaited and keyword == "STEP":
-            return
-    yield keyword, options, rows
+        steps, asked = steps + (keyword == "STEP"), asked or keyword == "FREQUENCY"
+        if steps > 1 and keyword == "STEP":
+            if asked:
+                return found
+            first = first or len(found)
+    found.append((keyword, options, rows))
+    return found if asked else found[:first]
 
 
 def read_keywords(path: Path, mesh: MeshFile) -> Deck:

@@ -566,10 +566,10 @@ def _cards(path: Path) -> Iterator[list[str]]:
 
 # Universal files: datasets 164 (units), 2420 (axes), 2411 (nodes), 2412 (elements) and 2467, 2477, 2452, 2435 (groups).
 
-_UNIVERSAL_KINDS = {11: "line2", 21: "line2", 22: "line2", 24: "line3", 111: "tet4", 118: "tet10", 112: "wedge6", 113: "wedge15"}
-_UNIVERSAL_KINDS |= {115: "hex8", 116: "hex20", 161: POINT, **dict.fromkeys((41, 51, 61, 74, 91), "tri3")}
-_UNIVERSAL_KINDS |= dict.fromkeys((42, 52, 62, 72, 92), "tri6") | dict.fromkeys((44, 54, 64, 71, 94), "quad4")
-_UNIVERSAL_KINDS |= dict.fromkeys((45, 55, 65, 75, 95), "quad8")
+_UNIVERSAL = {"line2": (11, 21, 22), "line3": (24,), "tri3": (41, 51, 61, 74, 91), "tri6": (42, 52, 62, 72, 92)}
+_UNIVERSAL |= {"quad4": (44, 54, 64, 71, 94), "quad8": (45, 55, 65, 75, 95), "tet4": (111,), "tet10": (118,)}
+_UNIVERSAL |= {"wedge6": (112,), "wedge15": (113,), "hex8": (115,), "hex20": (116,), POINT: (161,)}
+_UNIVERSAL_KINDS = {number: kind for kind, numbers in _UNIVERSAL.items() for number in numbers}
 _ROUND = {
     "tri6": [0, 2, 4, 1, 3, 5],
     "quad8": [0, 2, 4, 6, 1, 3, 5, 7],

@@ -252,8 +252,7 @@ class Elements:
 
         foot, (bounds, owner), count = self.foot_of(point, ""), self._boxes, len(self.points)
         near = owner[_away(bounds, point) <= max(reach, foot.distance * ALIKE)]
-        own = [(block, near[near[:, 0] == k, 1]) for k, block in enumerate(self.blocks)]
-        blocks = [block.only(some) for block, some in own if len(some)]
+        blocks = [block.only(near[near[:, 0] == k, 1]) for k, block in enumerate(self.blocks)]
         pairs = np.vstack([np.column_stack([np.repeat(b.nodes[:, 0], b.nodes.shape[1]), b.nodes.ravel()]) for b in blocks])
         graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(count, count))
         piece, kept = connected_components(graph, directed=False)[1], list[Elements]()

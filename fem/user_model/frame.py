@@ -85,7 +85,7 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
     toml_file.require_known(sizes, SECTION, source=source, where=place)
     toml_file.require_present(sizes, SECTION[:3], source=source, where=place)
     width, thickness = (_size(sizes[key], "length", source, f"{place}.{key}") for key in SECTION[:2])
-    section, across = elements.rectangle(width, thickness, material), _direction(sizes["across"], source, f"{place}.across")
+    section, across = elements.rectangle(width, thickness, material), parts.direction(sizes["across"], source, f"{place}.across")
     count = sizes.get("count", 1)  # how many stand side by side
     if not toml_file.is_whole(count) or not 1 <= count <= 1000:
         raise toml_file.wrong(count, "a whole number from 1 to 1000", source, f"{place}.count", "How many stand side by side")
@@ -149,7 +149,7 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
     held = [6 * k + m for k, name in enumerate(names) for m in range(6) if name in fixed or MOTIONS[m] not in moves]
     if not part_mass:
         raise BadInput(source, f"{where}.masses", "nothing has mass", "State masses, or a density")
-    down = np.tile(np.concatenate([_direction(table.get("down", "-z"), source, f"{where}.down"), np.zeros(3)]), len(points))
+    down = np.tile(np.concatenate([parts.direction(table.get("down", "-z"), source, f"{where}.down"), np.zeros(3)]), len(points))
     weights = [(count if name in _names(members) else 1.0) * M @ down for name, M in part_mass.items()]
     loads = STANDARD_GRAVITY * np.sum(weights, axis=0)
     bent = [6 * k + m for k, name in enumerate(names) for m in range(6) if name in fixed]
@@ -278,10 +278,3 @@ def _material(value: Any, source: str, where: str) -> tuple[article.Material, bo
         bare = dimension == "ratio" and toml_file.is_number(value)
         sizes[key] = float(value) if bare else _size(value, dimension, source, f"{where}.{key}")
     return article.Material(name=source, **({"density": 1.0} | sizes)), "density" in table
-
-
-def _direction(value: Any, source: str, where: str) -> Array:
-    word = value.removeprefix("-") if isinstance(value, str) else value
-    axis, found = toml_file.one_of(word, MOTIONS[:3], source=source, where=where), np.zeros(3)
-    found[MOTIONS.index(axis)] = -1.0 if word != value else 1.0
-    return found

@@ -133,8 +133,7 @@ def named(model: Mapping[str, Any], units: UnitSystem, source: str, where: str) 
     for name in supports:
         if supports.count(name) > 1:
             raise BadInput(source, f"{where}.supports", f"names {name!r} {supports.count(name)} times", "Name every support once")
-    down = model.get("down", "-z")
-    axis = down.removeprefix("-") if isinstance(down, str) else down
+    down = direction(model.get("down", "-z"), source, f"{where}.down")
     return Named(
         support=support,
         parts={name: _part(entry, units, source, f"{where}.parts.{name}") for name, entry in tables["parts"].items()},
@@ -142,7 +141,7 @@ def named(model: Mapping[str, Any], units: UnitSystem, source: str, where: str) 
         joints={name: _joint(entry, units, source, f"{where}.joints.{name}") for name, entry in tables["joints"].items()},
         supports=tuple(supports),
         storeys={name: _storey(entry, units, source, f"{where}.storeys.{name}") for name, entry in tables["storeys"].items()},
-        vertical=MOTIONS.index(toml_file.one_of(axis, MOTIONS[:3], source=source, where=f"{where}.down")),
+        vertical=int(np.argmax(np.abs(down))),
     )
 
 
@@ -247,6 +246,14 @@ def _joint(entry: Any, units: UnitSystem, source: str, where: str) -> StatedJoin
     stiffness = six_stiffnesses(table["stiffness"], units, source, f"{where}.stiffness") if "stiffness" in table else None
     tolerance = _share(table["tolerance"], source, f"{where}.tolerance") if "tolerance" in table else None
     return StatedJoint(between=tuple(between), at=at, stiffness=stiffness, tolerance=tolerance)
+
+
+def direction(value: Any, source: str, where: str) -> Array:
+    """(3,) along an axis of the model, as in ``-z``."""
+    word = value.removeprefix("-") if isinstance(value, str) else value
+    axis, found = toml_file.one_of(word, MOTIONS[:3], source=source, where=where), np.zeros(3)
+    found[MOTIONS.index(axis)] = -1.0 if word != value else 1.0
+    return found
 
 
 def _storey(entry: Any, units: UnitSystem, source: str, where: str) -> Storey:

@@ -515,12 +515,8 @@ def write(model: Structure | Modes, path: str | Path, name: str = "", units: Uni
             arrays |= {"rotations": model.rotations[moving]} if len(model.rotations) else {}
         matrices: dict[str, Any] = {} if model.part_stiffness else {"stiffness": model.stiffness}
         matrices |= {} if model.part_mass else {"mass": model.mass}
-        shares = {
-            "stiffness": model.part_stiffness,
-            "mass": model.part_mass,
-            "places": model.places,
-            "geometric": model.geometric,
-        }
+        shares = {"stiffness": model.part_stiffness, "mass": model.part_mass, "geometric": model.geometric}
+        shares |= {"places": model.places}
         shares |= {"membrane": {name: one for name, (one, _) in model.sections.items()}}
         shares |= {"bending": {name: one for name, (_, one) in model.sections.items()}}
         for kind, named in shares.items():
