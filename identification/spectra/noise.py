@@ -270,7 +270,13 @@ def over_a_reference(spectra: Spectra, untold: npt.NDArray[np.bool_]) -> Array:
 # there, not smaller. A complex normal number has the median modulus sd sqrt(ln 2) (Hampel, J. Am. Stat. Assoc. 69, 1974, for
 # such medians).
 #
-# Second, how far readings repeat: a linear structure answers at i to a force at j as it answers at j to one at i (Rayleigh, The
+# Second, how much of it goes with what is read (`share`): noise of the force, or of a range, is largest at a peak, and a median
+# knows the ordinary line. Over a few lines a function is that of one mode on something even, a ratio of polynomials of second
+# degree (McKelvey and Guerin, 16th IFAC Symposium on System Identification, 2012, 49), and what a fit of that (Levy, IRE Trans.
+# Automatic Control 4, 1959, 37) leaves is noise at a peak too: at u times the ordinary power its square has the median
+# sd² (1 + t (u - 1)) ln 2.
+#
+# Third, how far readings repeat: a linear structure answers at i to a force at j as it answers at j to one at i (Rayleigh, The
 # Theory of Sound, 1877, chapter 5), so that two runs measured the same number. What they differ by grows with what is read.
 
 NEIGHBOURHOOD = 1.0
@@ -278,6 +284,25 @@ NEIGHBOURHOOD = 1.0
 
 FEWEST_NEIGHBOURS = 7
 """Lines that such a stretch must hold."""
+
+ONE_MODE = 6
+"""[lines] to either side of one over which a single mode, on what is even, is all that answers: its five numbers are told by
+thirteen. Held by test_noise_between_lines.py."""
+
+LOUD = 2.0
+"""[1] Power beside that of the ordinary line of a stretch from which a line tells whether noise goes with the reading. Held by
+test_noise_between_lines.py."""
+
+CLEAR = 5.0
+"""[standard deviations of its noise] that such a line reads: of one that reads little else, noise makes loud what it makes rough.
+Held by test_noise_between_lines.py."""
+
+AT_MOST = 20_000
+"""[lines] of all functions that are asked for it, evenly spread: more tell no more. Held by test_noise_between_lines.py."""
+
+FREE = 0.1
+"""[share] of its noise that the fit of a mode leaves of a line at least for it to tell. Exercised by
+test_noise_between_lines.py."""
 
 LEAST = float(np.finfo(np.float64).tiny)
 
@@ -319,20 +344,65 @@ def between_neighbours(frequency: npt.ArrayLike, values: npt.ArrayLike, around: 
     """Standard deviation (r, n, c) of the complex noise of `values` (r, n, c) at `frequency` (n,) [Hz], E|noise|² = sd².
 
     Lines at either end take that of the nearest line around which a whole window lies: a window cut short there would have half
-    of its lines or, were they repeated, a single one.
+    of its lines or, were they repeated, a single one. Where noise goes with the reading, lines that read more have more of it;
+    those that read less keep what the window tells: a zero between two modes is not free of noise.
 
     Raises
     ------
     ValueError : fewer than `FEWEST_NEIGHBOURS` lines lie within `around` of some line.
     """
-    from scipy.ndimage import median_filter
-
     f, y = np.asarray(frequency, dtype=np.float64), np.asarray(values, dtype=np.complex128)
     width = 2 * round(around / float(np.median(np.diff(f)))) + 1 if len(f) > 1 else 1
     if width < FEWEST_NEIGHBOURS or len(f) < width:
         said = f"`frequency` must hold {FEWEST_NEIGHBOURS} lines within {around:g} Hz of each line, found a spacing for {width}"
         raise ValueError(said)
     left = np.abs(y[:, 1:-1] - (y[:, :-2] + y[:, 2:]) / 2)
-    half = min(width // 2, (left.shape[1] - 1) // 2)
-    whole = median_filter(left, size=(1, width, 1), mode="nearest")[:, half : left.shape[1] - half]
-    return np.asarray(_OF_MEDIAN * np.pad(whole, ((0, 0), (half + 1, half + 1), (0, 0)), mode="edge"))
+    level = _OF_MEDIAN * np.pad(_median(left, width), ((0, 0), (1, 1), (0, 0)), mode="edge")
+    power = np.square(np.abs(y))
+    louder = power / np.maximum(_median(power, width), LEAST)
+    return np.asarray(level * np.sqrt(np.maximum(1 + share(y, level, louder) * (louder - 1), 1.0)))
+
+
+def share(values: npt.NDArray[np.complex128], level: Array, louder: Array) -> float:
+    """How much of the power of the noise of ordinary lines goes with the power that is read: from 0, none of it, to 1, all.
+
+    0 unless more than half of the loud lines say so, by three standard deviations of such a count.
+
+    Parameters
+    ----------
+    values : (r, n, c)
+    level : (r, n, c) standard deviation of the noise were it the same at all lines of a stretch
+    louder : (r, n, c) power of each line beside that of the ordinary one of its stretch
+    """
+    at = slice(ONE_MODE, values.shape[1] - ONE_MODE, max(values.size // AT_MOST, 1))
+    if values.shape[1] <= 2 * ONE_MODE:
+        return 0.0
+    left, told = _beside_one_mode(np.lib.stride_tricks.sliding_window_view(values, 2 * ONE_MODE + 1, axis=1)[:, :: at.step])
+    y, sd, u = (one[:, at] for one in (np.abs(values), np.maximum(level, LEAST), louder))
+    ratio, ordinary, loud = np.square(left / sd), told & (u <= LOUD), told & (u > LOUD) & (y > CLEAR * sd)
+    if not loud.any() or not (of_ordinary := float(np.median(ratio[ordinary])) if ordinary.any() else 0.0):
+        return 0.0
+    t = np.sort((ratio[loud] / of_ordinary - 1) / (u[loud] - 1))
+    least = int(len(t) / 2 - 1.5 * np.sqrt(len(t)))
+    return float(min(np.median(t), 1.0)) if least > 0 and t[least] > 0 else 0.0
+
+
+def _beside_one_mode(near: npt.NDArray[np.complex128]) -> tuple[Array, npt.NDArray[np.bool_]]:
+    """Modulus (...) of what one mode, fitted to stretches of lines (..., 2 ONE_MODE + 1), leaves of the middle one, as large as
+    the noise there; and whether enough is left to tell."""
+    x, even = np.arange(-ONE_MODE, ONE_MODE + 1) / ONE_MODE, np.ones_like(near)
+    size = np.maximum(np.abs(near).max(axis=-1, keepdims=True), LEAST)
+    q, _ = np.linalg.qr(np.stack([x * near / size, x**2 * near / size, even, x * even, x**2 * even], axis=-1))
+    middle = q[..., ONE_MODE, :]
+    left = near[..., ONE_MODE] - np.sum(middle * np.sum(q.conj() * near[..., None], axis=-2), axis=-1)
+    free = 1 - np.sum(np.square(np.abs(middle)), axis=-1)
+    return np.asarray(np.abs(left) / np.sqrt(np.maximum(free, FREE))), free > FREE
+
+
+def _median(values: Array, width: int) -> Array:
+    """(r, n, c) running over so many lines; the ends take that of the nearest whole window."""
+    from scipy.ndimage import median_filter
+
+    half = min(width // 2, (values.shape[1] - 1) // 2)
+    whole = median_filter(values, size=(1, width, 1), mode="nearest")[:, half : values.shape[1] - half]
+    return np.pad(whole, ((0, 0), (half, half), (0, 0)), mode="edge")

@@ -247,10 +247,19 @@ class DistantView:
         return np.asarray(np.sum((at.residual + self.moved(one)[1]) ** 2, axis=1))
 
     def scanned(self, at: LandmarkFit, one: Added) -> tuple[float, Added]:
-        """chi² and size of `one` beside the effects of `at` where it is least: of the two where it should be."""
-        there, order = self.moved(one)[0], np.argsort(self.guessed(at, one))
-        near = [there[k] for k in order[: 2 if at.effects else 1]]
-        return min(((float(np.sum(self.residual((*at.effects, one)) ** 2)), one) for one in near), key=lambda each: each[0])
+        """chi² and size of `one` beside the effects of `at` where it is least: where it should be, at the likelier size beside
+        that, and where this is no better at the other."""
+        there, guess = self.moved(one)[0], self.guessed(at, one)
+        k = int(np.argmin(guess))
+        found = [(self._chi2(at, there[k]), there[k])]
+        beside = sorted({max(k - 1, 0), min(k + 1, len(there) - 1)} - {k}, key=lambda other: guess[other]) if at.effects else ()
+        for other in beside:
+            if len(found) == 1 or found[1][0] > found[0][0]:
+                found.append((self._chi2(at, there[other]), there[other]))
+        return min(found, key=lambda each: each[0])
+
+    def _chi2(self, at: LandmarkFit, one: Added) -> float:
+        return float(np.sum(self.residual((*at.effects, one)) ** 2))
 
     def looked(self, at: LandmarkFit, menu: Sequence[Added], most: int) -> list[Added]:
         """Those `most` of `menu` that should do most beside the effects of `at`, the best first, at the sizes where they do."""

@@ -109,8 +109,8 @@ class RealModes:
         omega, phi = np.sqrt(self.squares[mode]), self.shapes[:, mode]
         return float(phi @ (omega * (self.matrices.viscous @ phi) + self.matrices.structural @ phi) / (2 * omega**2))
 
-    def changed(self, of: Sequence[int], by: Tangent) -> "Moved":
-        """How the modes `of` answer to one parameter."""
+    def changed(self, of: Sequence[int], by: Tangent, *, damped: bool = True) -> "Moved":
+        """How the modes `of` answer to one parameter; what they lose, where that is `damped`, else 0."""
         square, gaps, drag_of_itself, lost = self._of(tuple(of))
         every = self.shapes if len(by.at) == len(self.shapes) else self.shapes[by.at]
         own = every[:, list(of)]
@@ -122,6 +122,8 @@ class RealModes:
         shares = force / gaps
         shares[list(of), which] = -heavier
         d_square = force[list(of), which]
+        if not damped:
+            return Moved(squares=d_square, shares=shares, damping_ratio=np.zeros_like(d_square))
         # zeta = q / (2 omega²), q = phi^T (omega C + S) phi
         omega = np.sqrt(square)
         d_omega = d_square / (2 * omega)
@@ -286,7 +288,8 @@ class _TablePart(ABC):
         acting = tuple(one for one in effects if FAMILIES[one.named.family].stage == STRUCTURE_STAGE)
         stand = tuple((one.named.id, *one.named.values.items(), one.fixed) for one in acting)
         wanted = derivatives if isinstance(derivatives, bool) else frozenset(derivatives)
-        if self.table.damping_deviation is None and not isinstance(wanted, bool):  # real modes do not know what they lose
+        damped = self.table.damping_deviation is not None
+        if not damped and not isinstance(wanted, bool):  # real modes do not know what they lose
             wanted = frozenset(name for name in wanted if name.partition(":")[0] not in LOSSES)
         moving = frozenset((name, x) for name, x in offsets.items() if x and name.partition(":")[0] not in READ_ALONE)
         fixed = tuple((one.named.id, *one.named.values.items()) for one in self.effects if one.fixed)
@@ -295,7 +298,8 @@ class _TablePart(ABC):
         matrices, tangents = lately("structure", told, made)
         modes: RealModes = lately("modes", matrices, lambda: real_modes(matrices))
         every = lately("partners", (modes, self.table, fixed), lambda: partners(modes, self.table, self.effects))
-        moved = lately("moved", (told, modes, every), lambda: {name: modes.changed(every, one) for name, one in tangents.items()})
+        each = partial(modes.changed, every, damped=damped)
+        moved = lately("moved", (told, modes, every, damped), lambda: {name: each(one) for name, one in tangents.items()})
         if self.modes != tuple(range(len(every))):
             every, moved = tuple(every[k] for k in self.modes), {name: one.on(self.modes) for name, one in moved.items()}
         return modes, every, moved, effects
@@ -444,8 +448,10 @@ class TableFrequencies(_TablePart):
         modes, of, moved, _ = self.found(known, derivatives=derivatives)
         wanted, lines_count = len(self.measured.channels), 1 if lines is None else len(lines)
         decay = known.get(WINDOW, 0.0)
-        each = [[modes.frequency[k], modes.damping_ratio(k) + decay / np.sqrt(modes.squares[k])][:wanted] for k in of]
-        rows = np.array(each, dtype=np.complex128)
+        rows = modes.frequency[list(of)].astype(np.complex128)[:, None]
+        if wanted > 1:
+            lost = [modes.damping_ratio(k) + decay / np.sqrt(modes.squares[k]) for k in of]
+            rows = np.column_stack([rows, lost])
         changes = {}
         if derivatives and WINDOW in (one.name for one in self.parameters):
             own = np.array([[0.0, 1 / np.sqrt(modes.squares[k])] for k in of], dtype=np.complex128)

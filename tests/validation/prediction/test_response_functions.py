@@ -129,26 +129,6 @@ def test_a_planted_mass_is_found_and_the_error_falls_on_drive_points_that_no_fit
     assert right.fitted.offsets[at] == pytest.approx(truth, abs=3 * np.sqrt(right.fitted.covariance[at, at]))
 
 
-def test_noise_is_found_from_the_scatter_of_lines_beside_a_resonance():
-    rng, f, sd = np.random.default_rng(1), 0.02 * np.arange(1, 3000), 0.03
-    smooth = -(f**2) / (30.0**2 - f**2 + 2j * 0.002 * 30.0 * f)
-    values = smooth + sd * (rng.standard_normal((2, len(f))) + 1j * rng.standard_normal((2, len(f)))) / np.sqrt(2)
-    found = noise.between_neighbours(f, values[:, :, None])
-    assert_allclose(np.median(found), sd, rtol=0.03)
-    away = np.abs(f - 30.0) > 2.0
-    assert_allclose(np.quantile(found[:, away], [0.05, 0.95]), sd, rtol=0.4)  # a median of 101 lines scatters by a sixth
-    assert 0.5 * sd < found[:, ~away].min() < found[:, ~away].max() < 3 * sd  # skirts of a peak of 250 bend
-    assert_allclose(noise.between_neighbours(f, 7 * values[:, :, None]), 7 * found, rtol=1e-12)
-
-
-def test_the_noise_of_lines_at_the_ends_is_told_by_as_many_lines_as_that_of_any_other():
-    rng, f, sd = np.random.default_rng(3), 0.2 * np.arange(1, 40), 0.03
-    values = sd * (rng.standard_normal((400, len(f))) + 1j * rng.standard_normal((400, len(f)))) / np.sqrt(2)
-    found = noise.between_neighbours(f, values[:, :, None])[..., 0]
-    scatter = np.log(found).std(axis=0)
-    assert_allclose(scatter[[0, 1, -2, -1]], scatter[len(f) // 2], rtol=0.25)  # 1.7 times as much where an end was repeated
-
-
 def test_readings_that_differ_by_a_share_repeat_to_it_and_what_tells_no_scatter_is_refused():
     rng, share = np.random.default_rng(2), 0.02
     exact = chain()
@@ -165,8 +145,6 @@ def test_readings_that_differ_by_a_share_repeat_to_it_and_what_tells_no_scatter_
     across = exact * np.where(np.eye(len(exact), dtype=bool)[:, None], 1.0, 0.01)
     across[0, :, 1] *= 50.0 * (1 + 1j * np.linspace(0, 3, exact.shape[1]))  # it was struck beside its point
     assert noise.repeatability(across[:2, :, :2]) == 0.0
-    with pytest.raises(ValueError, match="7 lines within"):
-        noise.between_neighbours(np.arange(5.0), np.ones((1, 5, 1)))
     with pytest.raises(ValueError, match="two runs or more"):
         noise.repeatability(np.ones((1, 5, 1)))
 
