@@ -358,8 +358,9 @@ def between_neighbours(frequency: npt.ArrayLike, values: npt.ArrayLike, around: 
         raise ValueError(said)
     left = np.abs(y[:, 1:-1] - (y[:, :-2] + y[:, 2:]) / 2)
     level = _OF_MEDIAN * np.pad(_median(left, width), ((0, 0), (1, 1), (0, 0)), mode="edge")
-    power = np.square(np.abs(y))
-    louder = power / np.maximum(_median(power, width), LEAST)
+    ordinary = _median(power := np.square(np.abs(y)), width)
+    reads = ordinary > NOTHING**2 * power.max(axis=1, keepdims=True)
+    louder = np.divide(power, ordinary, out=np.ones_like(power), where=reads)
     return np.asarray(level * np.sqrt(np.maximum(1 + share(y, level, louder) * (louder - 1), 1.0)))
 
 
@@ -378,8 +379,10 @@ def share(values: npt.NDArray[np.complex128], level: Array, louder: Array) -> fl
     if values.shape[1] <= 2 * ONE_MODE:
         return 0.0
     left, told = _beside_one_mode(np.lib.stride_tricks.sliding_window_view(values, 2 * ONE_MODE + 1, axis=1)[:, :: at.step])
-    y, sd, u = (one[:, at] for one in (np.abs(values), np.maximum(level, LEAST), louder))
-    ratio, ordinary, loud = np.square(left / sd), told & (u <= LOUD), told & (u > LOUD) & (y > CLEAR * sd)
+    y, sd, u = (one[:, at] for one in (np.abs(values), level, louder))
+    told &= sd > NOTHING * y.max(axis=1, keepdims=True)
+    ratio, ordinary = np.square(np.divide(left, sd, out=np.zeros_like(sd), where=told)), told & (u <= LOUD)
+    loud = told & (u > LOUD) & (y > CLEAR * sd)
     if not loud.any() or not (of_ordinary := float(np.median(ratio[ordinary])) if ordinary.any() else 0.0):
         return 0.0
     t = np.sort((ratio[loud] / of_ordinary - 1) / (u[loud] - 1))

@@ -77,6 +77,7 @@ def test_few_lines_and_functions_of_nothing_tell_no_share():
     f, values, _ = tower(1, KINDS[0], 0.1, 0.004)
     assert np.all(np.isfinite(noise.between_neighbours(f[:21], values[:, :21])))
     assert not noise.between_neighbours(f, 0 * values).any()
+    assert np.all(np.isfinite(noise.between_neighbours(f, np.round(values, -1))))  # most lines read the same, and have no noise
 
 
 def test_the_noise_of_lines_at_the_ends_is_told_by_as_many_lines_as_that_of_any_other():
