@@ -251,7 +251,8 @@ def workbench(folder: Path, model: str, data: list[str]) -> dict[str, Any]:
 
     def shown() -> dict[str, Any]:
         asyncio.run(stands(bench))
-        state = {key: value for key, value in vars(bench.state).items() if key not in PAGE_ONLY}
+        # By name: what a process asked of the page before decides the order in which trame has the rest
+        state = {key: value for key, value in sorted(vars(bench.state).items()) if key not in PAGE_ONLY}
         return _shortened(json.loads(json.dumps(state, default=lambda one: one.tolist())))
 
     steps = {}
