@@ -270,9 +270,9 @@ def over_a_reference(spectra: Spectra, untold: npt.NDArray[np.bool_]) -> Array:
 # there, not smaller. A complex normal number has the median modulus sd sqrt(ln 2) (Hampel, J. Am. Stat. Assoc. 69, 1974, for
 # such medians).
 #
-# Second, how much of it goes with what is read (`share`): noise of the force, or of a range, is largest at a peak, and a median
-# knows the ordinary line. Over a few lines a function is that of one mode on something even, a ratio of polynomials of second
-# degree (McKelvey and Guerin, 16th IFAC Symposium on System Identification, 2012, 49), and what a fit of that (Levy, IRE Trans.
+# Second, how much of it goes with what is read: noise of the force, or of a range, is largest at a peak, and a median knows the
+# ordinary line. Over a few lines a function is that of one mode on something even, a ratio of polynomials of second degree
+# (McKelvey and Guerin, 16th IFAC Symposium on System Identification, 2012, 49), and what a fit of that (Levy, IRE Trans.
 # Automatic Control 4, 1959, 37) leaves is noise at a peak too: at u times the ordinary power its square has the median
 # sd² (1 + t (u - 1)) ln 2.
 #
@@ -361,10 +361,10 @@ def between_neighbours(frequency: npt.ArrayLike, values: npt.ArrayLike, around: 
     ordinary = _median(power := np.square(np.abs(y)), width)
     reads = ordinary > NOTHING**2 * power.max(axis=1, keepdims=True)
     louder = np.divide(power, ordinary, out=np.ones_like(power), where=reads)
-    return np.asarray(level * np.sqrt(np.maximum(1 + share(y, level, louder) * (louder - 1), 1.0)))
+    return np.asarray(level * np.sqrt(np.maximum(1 + share_with_reading(y, level, louder) * (louder - 1), 1.0)))
 
 
-def share(values: npt.NDArray[np.complex128], level: Array, louder: Array) -> float:
+def share_with_reading(values: npt.NDArray[np.complex128], level: Array, louder: Array) -> float:
     """How much of the power of the noise of ordinary lines goes with the power that is read: from 0, none of it, to 1, all.
 
     0 unless more than half of the loud lines say so, by three standard deviations of such a count.
@@ -375,9 +375,9 @@ def share(values: npt.NDArray[np.complex128], level: Array, louder: Array) -> fl
     level : (r, n, c) standard deviation of the noise were it the same at all lines of a stretch
     louder : (r, n, c) power of each line beside that of the ordinary one of its stretch
     """
-    at = slice(ONE_MODE, values.shape[1] - ONE_MODE, max(values.size // AT_MOST, 1))
     if values.shape[1] <= 2 * ONE_MODE:
         return 0.0
+    at = slice(ONE_MODE, values.shape[1] - ONE_MODE, max(values.size // AT_MOST, 1))
     left, told = _beside_one_mode(np.lib.stride_tricks.sliding_window_view(values, 2 * ONE_MODE + 1, axis=1)[:, :: at.step])
     y, sd, u = (one[:, at] for one in (np.abs(values), level, louder))
     told &= sd > NOTHING * y.max(axis=1, keepdims=True)

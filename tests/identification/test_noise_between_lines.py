@@ -12,8 +12,8 @@ KINDS = ("goes with the reading", "is the same at all lines", "has both in equal
 
 
 def tower(seed: int, kind: str, step: float, size: float) -> tuple[Array, ComplexArray, Array]:
-    """Frequencies [Hz], accelerances (1, n, 3) of three storeys, the deviation (1, n, 3) of their noise; peaks are 0.05 Hz wide
-    and thirty times the ordinary line."""
+    """Frequencies [Hz], accelerances (1, n, 3) of three storeys and the deviation (1, n, 3) of their noise; the sharpest peak is
+    0.07 Hz wide, the highest 25 times the ordinary line."""
     rng, f = np.random.default_rng(seed), np.arange(1.5, 18, step)
     K = 4200.0 * np.array([[2, -1, 0], [-1, 2, -1], [0, -1, 1]]) * (1 + 0.01 * rng.standard_normal())
     exact = np.array([-(w**2) * np.linalg.inv(K * (1 + 0.02j) - w**2 * 1.83 * np.eye(3))[:, 2] for w in 2 * np.pi * f])
@@ -33,9 +33,9 @@ def resonance(seed: int, sd: float) -> tuple[Array, ComplexArray, ComplexArray]:
 @pytest.mark.parametrize("step", [0.01, 0.025])
 @pytest.mark.parametrize(("kind", "low", "high"), [(KINDS[0], 0.6, 1.0), (KINDS[1], 0.0, 0.0), (KINDS[2], 0.4, 1.0)])
 def test_noise_that_goes_with_the_reading_is_told_from_noise_that_does_not(kind, low, high, step, monkeypatch):
-    """A median over neighbours made it a fifth of what it is at the peaks: one in ten sound towers was called unknown."""
-    told, ask = list[float](), noise.share
-    monkeypatch.setattr(noise, "share", lambda *given: told.append(ask(*given)) or told[-1])
+    """A median over neighbours made it a tenth of what it is at the peaks: one in ten sound towers was called unknown."""
+    told, ask = list[float](), noise.share_with_reading
+    monkeypatch.setattr(noise, "share_with_reading", lambda *given: told.append(ask(*given)) or told[-1])
     off, worst = list[float](), list[float]()
     for seed in range(6):
         f, values, sd = tower(seed, kind, step, 0.004)

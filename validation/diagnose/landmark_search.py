@@ -251,15 +251,13 @@ class DistantView:
         that, and where this is no better at the other."""
         there, guess = self.moved(one)[0], self.guessed(at, one)
         k = int(np.argmin(guess))
-        found = [(self._chi2(at, there[k]), there[k])]
         beside = sorted({max(k - 1, 0), min(k + 1, len(there) - 1)} - {k}, key=lambda other: guess[other]) if at.effects else ()
-        for other in beside:
-            if len(found) == 1 or found[1][0] > found[0][0]:
-                found.append((self._chi2(at, there[other]), there[other]))
+        found: list[tuple[float, Added]] = []
+        for size in (there[other] for other in (k, *beside)):
+            found.append((float(np.sum(self.residual((*at.effects, size)) ** 2)), size))
+            if len(found) > 1 and found[-1][0] <= found[0][0]:
+                break
         return min(found, key=lambda each: each[0])
-
-    def _chi2(self, at: LandmarkFit, one: Added) -> float:
-        return float(np.sum(self.residual((*at.effects, one)) ** 2))
 
     def looked(self, at: LandmarkFit, menu: Sequence[Added], most: int) -> list[Added]:
         """Those `most` of `menu` that should do most beside the effects of `at`, the best first, at the sizes where they do."""

@@ -448,11 +448,7 @@ class TableFrequencies(_TablePart):
         modes, of, moved, _ = self.found(known, derivatives=derivatives)
         wanted, lines_count = len(self.measured.channels), 1 if lines is None else len(lines)
         decay = known.get(WINDOW, 0.0)
-        rows = modes.frequency[list(of)].astype(np.complex128)[:, None]
-        if wanted > 1:
-            lost = [modes.damping_ratio(k) + decay / np.sqrt(modes.squares[k]) for k in of]
-            rows = np.column_stack([rows, lost])
-        changes = {}
+        rows, changes = self._rows(modes, of, decay), {}
         if derivatives and WINDOW in (one.name for one in self.parameters):
             own = np.array([[0.0, 1 / np.sqrt(modes.squares[k])] for k in of], dtype=np.complex128)
             changes[WINDOW] = _change(own[:, :wanted], lines_count)
@@ -465,9 +461,14 @@ class TableFrequencies(_TablePart):
         return Predicted(rows=_by_line(rows, lines_count), changes=changes)
 
     def _modes_read(self, modes: RealModes, of: Sequence[int], offsets: Offsets, effects: Sequence[Added]) -> ComplexArray:
-        wanted = len(self.measured.channels)
-        rows = np.array([[modes.frequency[k], modes.damping_ratio(k)][:wanted] for k in of], dtype=np.complex128)
-        return _by_line(rows, 1)
+        return _by_line(self._rows(modes, of), 1)
+
+    def _rows(self, modes: RealModes, of: Sequence[int], decay: float = 0.0) -> ComplexArray:
+        """(r, c) frequencies and, where they are measured, damping ratios of the modes `of` behind a window that decays."""
+        rows = [modes.frequency[list(of)]]
+        if len(self.measured.channels) > 1:
+            rows.append(np.array([modes.damping_ratio(k) + decay / np.sqrt(modes.squares[k]) for k in of]))
+        return np.array(rows, dtype=np.complex128).T
 
     def _attached(self, modes: RealModes, mode: int, moved: Array) -> Array:
         square, _, ratio = modes.attached(mode, moved)
