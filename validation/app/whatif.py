@@ -101,26 +101,19 @@ class Dragged:
     """An effect that is dragged: its predictions with it free, what fits see of them, and where their parameters stood last."""
 
     def __init__(self, predictions: tuple[StructurePrediction, ...], problem: Problem, offsets: Offsets) -> None:
-        self.predictions, self.problem, self.offsets = predictions, problem.sparser(STEP), dict(offsets)
+        self.predictions, self.offsets = predictions, dict(offsets)
+        self.cost = cost_of(problem.sparser(STEP), problem.free(PLAIN), PLAIN_FLOOR, plain=True)
 
     def follow(self, moved: Mapping[str, float]) -> None:
-        """One step towards the plain fit with the effect at the offsets `moved`; none where the model breaks down there."""
-        self.offsets = {**self.offsets, **stepped(self.problem, self.offsets, moved)}
-
-
-def stepped(problem: Problem, offsets: Offsets, moved: Mapping[str, float]) -> dict[str, float]:
-    """Offsets of what a plain fit frees one step further, within their bounds, the parameters `moved` standing where they are."""
-    free = tuple(one for one in problem.free(PLAIN) if one.name not in moved)
-    others = {name: value for name, value in offsets.items() if name not in {one.name for one in free}}
-    cost = cost_of(problem, free, PLAIN_FLOOR, {**others, **moved}, plain=True)
-    low, high = cost.bounds
-    x = np.clip(cost.at(offsets), low, high)
-    try:
-        whole = cost.total(x)[0]
-        there = np.clip(x - np.linalg.solve(whole.matrix, whole.gradient), low, high)
-    except BREAKDOWNS:
-        return {}
-    return dict(zip(cost.names, map(float, there), strict=True))
+        """One step towards the plain fit with the effect at the offsets `moved`, in bounds; none where a model breaks down."""
+        free = tuple(one for one in self.cost.free if one.name not in moved)
+        cost = replace(self.cost, free=free, base={**self.offsets, **moved})
+        low, high = cost.bounds
+        x = np.clip(cost.at(self.offsets), low, high)
+        with suppress(*BREAKDOWNS):
+            whole = cost.total(x)[0]
+            there = np.clip(x - np.linalg.solve(whole.matrix, whole.gradient), low, high)
+            self.offsets = {**self.offsets, **dict(zip(cost.names, map(float, there), strict=True))}
 
 
 # What the load cells carry, remembered: an effect on a channel need not have the structure solved again.
@@ -239,6 +232,13 @@ class ReadyCampaign:
         squares = tuple(evaluate.squares(one.on(judged), offsets)) if judged else ()
         return cls(prediction=one, operators=found, inputs=inputs, entries=matrices, judged=judged, squares=squares)
 
+    def curves(self, rows: ComplexArray, lines: Lines) -> ComplexArray:
+        """`entries` of what is predicted, `rows`, at `lines` (m,)."""
+        if self.operators is None:
+            return _by_line(rows)
+        some = Operators(motion=self.operators.motion[lines], load=self.operators.load[lines])
+        return entries(some, rows, self.inputs[:, lines], self.prediction.measured.frequency[lines])
+
     @property
     def name(self) -> str:
         """Of the campaign."""
@@ -260,7 +260,7 @@ class ReadyPredictions:
     facts : weights and periods
     offsets : of every parameter, where the comparison left it
     at : `FITTED`, or `DRAWN` before there is a comparison
-    pace : [s] that one line of a campaign costs when all is solved anew
+    pace : [s] that one line of a campaign costs, curves and all, when all is solved anew
     words : channels, places and parts that there are
     known : what fits see of the data
     dragged : effects that were asked for, ready to be asked for again
@@ -310,7 +310,7 @@ class ReadyPredictions:
         for old in list(self.dragged)[:-KEPT]:
             self.dragged.pop(old, None)
         # Offsets that move the parameters of the effect to its sizes
-        known: dict[str, Parameter] = kept.problem.by_name
+        known: dict[str, Parameter] = kept.cost.problem.by_name
         wanted = {effects.name(named, key): value for key, value in named.values.items()}
         if wanted and set(wanted) <= set(known):
             moved = {name: known[name].offset(value) for name, value in wanted.items()}
@@ -374,7 +374,7 @@ def predicted(one: StructurePrediction, offsets: Offsets, lines: Lines | None) -
 
 
 BUDGET = 0.03
-"""[s] of predictions while dragging; curves and errors come on top of it, and the page has to draw them."""
+"""[s] of predictions and curves while dragging; errors and what follows come on top of it, and the page has to draw them."""
 
 FEWEST = 40
 """Lines of a campaign, whatever they cost."""
@@ -446,17 +446,17 @@ def table(of: Session, positions: Sequence[str] = ()) -> ReadyPredictions:
     study, known = of.study().ready_at(positions), of.comparison()
     made, whole = study.predictions, study.problem()
     offsets = {**study.whole().start, **({} if known is None else known.offsets)}
-    # What a line costs, of all campaigns, solved anew, when nothing else is in the way
-    taken = []
+    fitted = {one.measured.name: one.measured.runs for one in whole.predictions}
+    tested = tuple(ReadyCampaign.of(one, offsets, fitted.get(one.measured.name, ())) for one in made)
+    taken = []  # [s] what all lines cost, solved anew, when nothing else is in the way
     for _ in range(TRIES):
         began = perf_counter()
-        for one in made:
-            predicted(one, offsets, None)
+        for one, ready in zip(made, tested, strict=True):
+            ready.curves(predicted(one, offsets, None).rows, np.arange(len(one.measured.frequency)))
         taken.append(perf_counter() - began)
-    fitted = {one.measured.name: one.measured.runs for one in whole.predictions}
     found = ReadyPredictions(
         model=study.model,
-        tested=tuple(ReadyCampaign.of(one, offsets, fitted.get(one.measured.name, ())) for one in made),
+        tested=tested,
         facts=tuple(one.with_effects(study.model.effects) for one in study.said),
         offsets=offsets,
         at=DRAWN if known is None else FITTED,
@@ -500,9 +500,10 @@ def what_if(of: ReadyPredictions, effect: str, *, exact: bool = True, follow: bo
         predictions, problem = of.predictions(named, fixed=True)
         offsets = dict(of.offsets)
         if follows and _by_run(named):
-            sparse = problem.sparser(STEP)
+            followed = Dragged(predictions, problem, offsets)
             for _ in range(STEPS):
-                offsets |= stepped(sparse, offsets, {})
+                followed.follow({})
+            offsets = followed.offsets
         elif follows:
             offsets |= nearby(problem, PLAIN, offsets).by_name
         question = _Question(named=named, predictions=predictions, offsets=offsets, moved={}, exact=True)
@@ -557,11 +558,7 @@ class _Asked:
         before = matrix = one.entries
         frequency = one.prediction.measured.frequency
         if self.rows is not None:
-            if one.operators is None:
-                matrix = _by_line(self.rows)
-            else:
-                some = Operators(motion=one.operators.motion[lines], load=one.operators.load[lines])
-                matrix = entries(some, self.rows, one.inputs[:, lines], frequency[lines])
+            matrix = one.curves(self.rows, lines)
             if len(lines) < len(frequency):
                 # Between the lines that were asked for it is `before` times a factor that goes straight
                 at = before[lines]
