@@ -2,6 +2,8 @@
 
 import csv
 import json
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -50,6 +52,14 @@ def test_the_cuboid_is_its_block_less_its_threads(answer):
     mass = answer("reference", "cuboid")["articles"]["cuboid"]["routes"]["occ"]["mass_kg"]
     # Closed form: 160 x 70 x 400 mm and four holes of 6.8 mm, 20 mm deep, at 2700 kg/m³.
     assert_allclose(mass, 2700 * (0.16 * 0.07 * 0.4 - 4 * np.pi / 4 * 0.0068**2 * 0.02), rtol=1e-12)
+
+
+def test_a_reference_does_not_begin_by_importing_effects_and_finite_elements():
+    script = "import sys, validation.report.reference; print(*sorted(sys.modules))"
+    imported = subprocess.run([sys.executable, "-P", "-c", script], capture_output=True, text=True, check=True).stdout.split()
+    of_models = [one for one in imported if one.startswith(("fem", "validation.effects", "validation.prediction"))]
+    assert "geometry.routes" in imported
+    assert of_models == []
 
 
 def test_the_users_frame_moves_and_turns_every_route_and_a_file_says_the_same_as_the_line(answer, tmp_path):

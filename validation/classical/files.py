@@ -241,6 +241,9 @@ QUANTITIES = {
 }
 """Key of a result -> its words, the unit it is printed in, and how many of that unit make one SI unit."""
 
+KEYS = tuple(QUANTITIES)[:10]
+"""Of mass, CoG and moments, in the order of `identification.request.quantities`."""
+
 SMALL_SHARE = 0.01
 """Share of the variance below which an input cannot spoil a result, however wide its own tolerance."""
 

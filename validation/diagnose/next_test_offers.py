@@ -24,6 +24,7 @@ from identification import request
 from identification.campaign import Campaign
 from identification.quality import NORMAL_95
 from identification.self_calibration.solve import eliminated
+from validation.classical.files import KEYS
 from validation.diagnose.diagnosis import Candidate
 from validation.effects.catalogue import FAMILIES, acts
 from validation.effects.effect import AMPLITUDE
@@ -35,7 +36,7 @@ from validation.estimation.problem import AT_MOST, EFFECT, Fact, Lines, Measured
 from validation.model.model import Added
 from validation.model.setups import FMD, above_fmd, mounted
 from validation.prediction import effects as prediction_effects
-from validation.prediction.classical_facts import KEYS, ArticleFact, article_of, weights_of
+from validation.prediction.classical_facts import ArticleFact, article_of, weights_of
 from validation.prediction.dynamic_mass import SupportedDynamicMass
 from validation.prediction.mounting import mounted_article
 from validation.prediction.series import SeriesPrediction, TestedCampaign, laboratory, supported_dynamic_mass

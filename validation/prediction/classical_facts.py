@@ -22,7 +22,7 @@ from identification import request
 from identification.campaign import Campaign
 from identification.quality import NORMAL_95
 from validation.classical import files, pendulum, weigh
-from validation.classical.files import QUANTITIES, Fields, Reduction, read
+from validation.classical.files import KEYS, QUANTITIES, Fields, Reduction, read
 from validation.classical.pendulum import CompoundSwing, RecordedSwing, RopeSwing, TorsionSwing
 from validation.effects.catalogue import FAMILIES, Named, There
 from validation.effects.catalogue import acts as reach_acts
@@ -261,9 +261,6 @@ REDUCED: Mapping[str, Callable[[Fields], Reduction]] = {
     "results": files.reduce,
 }
 """What reduces a file of each kind, but for pendulums, of which every swing is a fact."""
-
-KEYS = ("mass", "cog_x", "cog_y", "cog_z", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
-"""Results in the order of `identification.request.quantities`."""
 
 STEP = 1e-4
 """Step of a derivative by the size of an effect on the period, as a share of a plausible one."""

@@ -10,20 +10,18 @@ from geometry.frames import Array
 from identification.campaign import Campaign
 from validation.estimation.problem import Evaluation
 from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, expected_z2, misfit
-from validation.model.model import LIMITED, Requirement
 from validation.model.setups import above_fmd
 from validation.output import NONE, percent, rounded
 from validation.reference.statement import QUANTITIES
 from validation.report.document import Cell, Column, Figures, Number, Safe, joined, table, tag, worded
 
 if TYPE_CHECKING:
-    from identification.campaign import Campaign
     from validation.classical.files import Reduction
     from validation.compare.compare import Comparison
     from validation.diagnose.diagnosis import Diagnosis
     from validation.history.history import Body, Errors, HistoryPosition, Source
     from validation.identify.identify import IdentificationFindings
-    from validation.model.model import Model
+    from validation.model.model import Model, Requirement
     from validation.reference.reference import ReferenceTable
     from validation.reference.statement import Statement
 
@@ -302,8 +300,7 @@ def requirements_html(report: Report, figures: Figures) -> Safe:
     values, half, whence = _identified(report)
     rows: list[list[Cell]] = []
     for one in report.model.requirements:
-        k = list(LIMITED).index(one.quantity)
-        shown = QUANTITIES[k]
+        k, shown = next((k, shown) for k, shown in enumerate(QUANTITIES) if shown.key == one.quantity)
         limits = [Number(text="" if at is None else f"{at * shown.per_si:.6g}", value=at) for at in (one.low, one.high)]
         if values is None or half is None:
             found: list[Cell] = [BLANK, BLANK, BLANK]
@@ -323,9 +320,9 @@ def requirements_html(report: Report, figures: Figures) -> Safe:
     return section("requirements", "Requirements", table("Requirements of the model file", columns, rows, note=note))
 
 
-def judged(one: Requirement, values: Array, half: Array) -> str:
+def judged(one: "Requirement", values: Array, half: Array) -> str:
     """Whether the requirement is met by `values` (10,) and every point of their intervals, `half` (10,) to each side; SI."""
-    k = list(LIMITED).index(one.quantity)
+    k = [shown.key for shown in QUANTITIES].index(one.quantity)
     low, high = values[k] - half[k], values[k] + half[k]
     if (one.low is not None and high < one.low) or (one.high is not None and low > one.high):
         return NOT_MET

@@ -20,10 +20,9 @@ from geometry.inertia import Inertia
 from geometry.routes import ROUTES
 from geometry.user_article import ESTIMATE
 from validation.classical import files
-from validation.classical.files import Item, Reduction
+from validation.classical.files import KEYS, Item, Reduction
 from validation.model.setups import above_fmd, is_file, is_stack
 from validation.output import NONE, SIGNIFICANT, fixed, plain_unit, print_json, print_pages, rounded, to_json
-from validation.prediction.classical_facts import KEYS
 from validation.reference import reference, statement
 from validation.reference.reference import (
     IDENTIFIED,
