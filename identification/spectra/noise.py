@@ -85,6 +85,12 @@ class Density:
         """(c,) broadband rms."""
         return np.asarray(np.sqrt(self.rate * self.values.mean(axis=0)))
 
+    def tone(self, channel: int) -> tuple[float, float]:
+        """[Hz] where a channel is loudest, and the share of its power that lies within `SMOOTH` of it."""
+        of = self.values[:, channel]
+        loudest = self.frequency[np.argmax(of)]
+        return float(loudest), float(of[np.abs(self.frequency - loudest) <= SMOOTH].sum() / max(of.sum(), LEAST))
+
     def at(self, lines: Array) -> Array:
         """(n, c) at `lines` (n,) [Hz]."""
         return np.stack([np.interp(lines, self.frequency, column) for column in self.values.T], axis=1)
@@ -307,7 +313,6 @@ test_noise_between_lines.py."""
 LEAST = float(np.finfo(np.float64).tiny)
 
 _OF_MEDIAN = 1 / np.sqrt(1.5 * np.log(2))
-
 
 CROSSED = 0.1
 """[share] of what two forces move along themselves, over all lines, below which a reading is one across them: slants of a few

@@ -1,6 +1,7 @@
 """`massline check`: what is printed, what a program reads, what is drawn, and how it ends."""
 
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -116,6 +117,21 @@ def test_a_loud_channel_is_said(run, campaign, tmp_path):
     code, out, _ = run("check", "own")
     assert code == main.FAILED_CHECK
     assert "fmd-z1 reads 2.8 times" in " ".join(out.split()) or "fmd-z1 reads 2.9 times" in " ".join(out.split())
+    assert "check cable and range" in " ".join(out.split())
+
+
+def test_what_a_loud_channel_reads_at_one_frequency_is_said_to_be_a_tone(run, campaign, tmp_path):
+    k = campaign.table.names.index("fmd-z1")
+    heard = dict(campaign.recordings)
+    for name, one in heard.items():
+        values = one.values.copy()
+        values[:, k] += 2.0 * np.sin(2 * np.pi * 60.0 * np.arange(len(one)) / one.sampling_rate)
+        heard[name] = replace(one, values=values)
+    campaign_file.write(tmp_path / "own", replace(campaign, recordings=heard))
+    code, out, _ = run("check", "own")
+    assert code == main.FAILED_CHECK
+    said = r"fmd-z1 reads \d+\.\d times .* 9\d % of it a tone at 60 Hz; check cable, screen and earth"
+    assert re.search(said, " ".join(out.split()))
 
 
 def test_every_problem_is_printed_and_ends_with_2(run, folder):

@@ -221,7 +221,6 @@ def worth(at: Candidate, tried: Sequence[CandidateFit]) -> float:
 Elsewhere = Callable[[Study, Candidate, Candidate], tuple[tuple[Study, Added, float], ...]]
 """As `validation.diagnose.everywhere.elsewhere`: where on a mesh an effect may explain most beside the others."""
 
-
 MOVES = 4
 """[count] of moves of an effect on a mesh before rivals are asked, and of fits at a node alone. Held by test_everywhere.py."""
 
@@ -369,7 +368,6 @@ SCREENING_ERROR = 0.15
 KEPT_SHARE = 0.5
 """[share] of a promise that a fit must keep lest it restart from the priors, where no fit comes up to that promise. Held by
 test_search.py."""
-
 
 SETTINGS: Mapping[str, object] = MappingProxyType(
     {

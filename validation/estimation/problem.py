@@ -37,7 +37,6 @@ TOLERANCES = (DECLARED, STRUCTURAL, SENSOR)
 WITHIN = 2.5
 """[tolerance] by which a plain fit may move what is declared. Exercised by engine/test_fit.py."""
 
-
 MODE = "mode"
 """In the place of what a run drove, where it is a mode of a table: nothing was."""
 

@@ -13,12 +13,15 @@ from identification import campaign as campaigns
 from identification.campaign import levels
 from identification.campaign_file import Progress, examine
 from identification.consistency import of_spectra
+from identification.spectra.noise import densities
 from identification.spectra.of_campaign import spectra
 from validation.output import derived, entry, unwritten
 
 LOUD = 1.5
 """How far above its stated noise floor a channel may read while nothing moves; beyond, it is said aloud."""
 
+HALF = 0.5
+"""[share] of that from which it is a tone, as the mains are, and not noise. Held by test_check_command.py."""
 
 SIX = 6
 """Base motions, and so the fewest runs from which a dynamic mass is measured."""
@@ -163,7 +166,10 @@ def of_campaign(folder: str | Path, campaign: campaigns.Campaign, problems: tupl
         which = f"{worst} reads" if len(loud) == 1 else f"{len(loud)} of {len(ratios)} channels read up to"
         most = "" if len(loud) == 1 else f", {worst} most"
         said = f"{which} {loud[worst]:.1f} times the stated noise_rms while nothing moves{most}"
-        warnings += (f"{campaign.source}: {said}; check cable and range, or correct noise_rms",)
+        at, share = (0.0, 0.0) if (of := densities(campaign)[0]) is None else of.tone(campaign.table.names.index(worst))
+        tone = f", {100 * share:.0f} % of it a tone at {at:g} Hz" if share > HALF else ""
+        remedy = "check cable, screen and earth" if tone else "check cable and range"
+        warnings += (f"{campaign.source}: {said}{tone}; {remedy}, or correct noise_rms",)
     wrong = [] if problems else campaigns.problems_of_runs(campaign)
     if len(campaign.runs) < SIX:
         seen = "no dynamic mass is measured, so that `identify` refuses it; `compare` and `diagnose` use the runs that there are"

@@ -59,7 +59,6 @@ ENOUGH = 12
 SCALE = "scale"
 """Family of the parameter that stands for the one factor that readings without calibration share."""
 
-
 LOCAL = "local-compliance"
 """Family of the parameters of what solids give right where a force acts on them, by drive."""
 

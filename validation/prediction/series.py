@@ -719,11 +719,8 @@ class SeriesPrediction:
         from validation.virtual_test.plan import MAINS
 
         # (n, c) what the mains' ordinary hum leaves at the lines of a full record; empty of other spectra, where it is not known
-        if self.tested.method != "full-record":
-            hum = np.zeros((0, 0))
-        else:
-            ordinary = np.array([MAINS.get(quantity, 0.0) for quantity in quantities])
-            hum = np.outer(leak(frequency), ordinary)
+        ordinary = np.array([MAINS.get(quantity, 0.0) for quantity in quantities])
+        hum = np.outer(leak(frequency), ordinary) if self.tested.method == "full-record" else np.zeros((0, 0))
         found = []
         for deviation, per_rms in zip(chosen, self.tested.per_rms, strict=True):
             floor = NoiseModel(
