@@ -20,8 +20,8 @@ from validation.output import derived, entry, unwritten
 LOUD = 1.5
 """How far above its stated noise floor a channel may read while nothing moves; beyond, it is said aloud."""
 
-HALF = 0.5
-"""[share] of that from which it is a tone, as the mains are, and not noise. Held by test_check_command.py."""
+TONE = 0.5
+"""[share] of that near one frequency, from which it is a tone, as of the mains, and not noise. Held by test_check_command.py."""
 
 SIX = 6
 """Base motions, and so the fewest runs from which a dynamic mass is measured."""
@@ -167,7 +167,7 @@ def of_campaign(folder: str | Path, campaign: campaigns.Campaign, problems: tupl
         most = "" if len(loud) == 1 else f", {worst} most"
         said = f"{which} {loud[worst]:.1f} times the stated noise_rms while nothing moves{most}"
         at, share = (0.0, 0.0) if (of := densities(campaign)[0]) is None else of.tone(campaign.table.names.index(worst))
-        tone = f", {100 * share:.0f} % of it a tone at {at:g} Hz" if share > HALF else ""
+        tone = f", {100 * share:.0f} % of it a tone at {at:g} Hz" if share > TONE else ""
         remedy = "check cable, screen and earth" if tone else "check cable and range"
         warnings += (f"{campaign.source}: {said}{tone}; {remedy}, or correct noise_rms",)
     wrong = [] if problems else campaigns.problems_of_runs(campaign)
