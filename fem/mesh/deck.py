@@ -5,14 +5,16 @@ held.
 Whatever else weighs, holds or joins is listed as lost, and never passed over.
 """
 
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from fem.mesh import files
 from fem.mesh.constraints import Term
-from fem.mesh.deck_content import ALL, TRANSLATIONS, Deck, Elastic, read_cards
+from fem.mesh.deck_content import ALL, TRANSLATIONS, Deck, DeckSpring, Elastic, read_cards
 from fem.mesh.deck_keywords import read_keywords
 from fem.mesh.deck_text import NotThere, naming
 from fem.mesh.description import SEAM
@@ -183,10 +185,6 @@ def _listed(values: Iterable[str]) -> str:
     return f"[{', '.join(values)}]"
 
 
-def _directions(letters: str) -> str:
-    return _listed(toml_file.string(MOTIONS[int(letter) - 1]) for letter in sorted(letters))
-
-
 def _material(of: Elastic, added: float, density: float, pressure: float) -> str:
     """A material as TOML, with a density beside its own."""
     moduli = f'"{of.modulus * pressure:.9g} Pa"'
@@ -195,6 +193,20 @@ def _material(of: Elastic, added: float, density: float, pressure: float) -> str
         moduli = f'[{moduli}, "{of.across * pressure:.9g} Pa"], shear_modulus = {shear}'
     said = f'density = "{(of.density + added) * density or LIGHT:.9g} kg/m^3", youngs_modulus = {moduli}'
     return f"{{ {said}, poisson_ratio = {of.poisson_ratio:.9g} }}"
+
+
+def _one_spring_each(springs: Mapping[str, DeckSpring]) -> list[tuple[list[str], DeckSpring]]:
+    """Springs that a deck draws direction by direction, since its cards have one each: those between the same ends, along the
+    same axes and of the same loss, are one, with their names."""
+    several, taken = dict[tuple[object, ...], list[str]](), Counter[tuple[object, ...]]()
+    for name, one in springs.items():
+        axes, alone = np.eye(3) if one.axes is None else one.axes, name if one.about is not None else ""
+        like = (one.ends, one.loss_factor, alone, *np.ravel(axes).tolist())
+        acts = [(*like, k) for k in np.flatnonzero(one.stiffness).tolist()]
+        several.setdefault((*like, max((taken[each] for each in acts), default=0)), []).append(name)
+        taken.update(acts)
+    six = {names[0]: sum((springs[name].stiffness for name in names), np.zeros(6)) for names in several.values()}
+    return [(names, replace(springs[names[0]], stiffness=six[names[0]])) for names in several.values()]
 
 
 def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
@@ -269,7 +281,7 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
         tables.append((f"links.{toml_file.string(name)}", {"at": metres(middle.tolist(), 12), "nodes": named(foot)}))
     joined += [(name, one.follower, "mean_of", list(one.shares)) for name, one in deck.means.items()]
     for name, node, key, nodes in joined:
-        ways = {"directions": _directions(deck.riding[name])} if name in deck.riding else {}
+        ways = {"directions": named(MOTIONS[int(one) - 1] for one in sorted(deck.riding[name]))} if name in deck.riding else {}
         if key == "mean_of":
             shares = list(deck.means[name].shares.values())
             ways |= {"weights": _listed(f"{one / max(shares):.9g}" for one in shares)} if len(set(shares)) > 1 else {}
@@ -279,8 +291,8 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
         table = {"sums": "\n    ".join(["[", *(f"{_listed(map(term, one))}," for one in sums)]) + "\n]"}
         tables.append((f"equations.{toml_file.string(name)}", table))
     for letters, held in holds.items():
-        where = toml_file.string("-".join(MOTIONS[int(letter) - 1] for letter in letters))
-        tables.append((f"holds.{where}", {"nodes": named(held), "directions": _directions(letters)}))
+        along = [MOTIONS[int(letter) - 1] for letter in letters]
+        tables.append((f"holds.{toml_file.string('-'.join(along))}", {"nodes": named(held), "directions": named(along)}))
     for name, (node, body) in deck.masses.items():
         table = {"at": at(node), "mass": f'"{body.mass * mass:.9g} kg"'}
         if np.any(body.cog):
@@ -290,7 +302,7 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
             turns = six_from_tensor(moments * mass * system.length**2).tolist()
             table["moments"] = _listed(f'"{one:.9g} kg m^2"' for one in turns)
         tables.append((f"masses.{toml_file.string(name)}", table))
-    for name, spring in deck.springs.items():
+    for names, spring in _one_spring_each(deck.springs):
         factors = [stiffness] * 3 + [stiffness * system.length**2] * 3
         words, ends = ("N/m",) * 3 + ("N m/rad",) * 3, spring.ends
         six = _listed(f'"{k * f:.9g} {word}"' for k, f, word in zip(spring.stiffness.tolist(), factors, words, strict=True))
@@ -298,7 +310,9 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
         if spring.axes is not None:
             table |= {f"{k}_axis": _listed(f"{one:.12g}" for one in row) for k, row in zip("xy", spring.axes, strict=False)}
         table |= {} if spring.about is None else {"about": metres(spring.about.tolist(), 12)}
-        tables.append((f"springs.{toml_file.string(name)}", table | {"stiffness": six}))
+        table |= {"loss_factor": f"{lost:.9g}"} if (lost := spring.loss_factor + deck.loss_factor) else {}
+        name, said = names[0], f"  # {', '.join(names)} as one; write those apart that are not" if names[1:] else ""
+        tables.append((f"springs.{toml_file.string(name)}", table | {"stiffness": six + said}))
     support = "ground" if interface or grounded else "free"
     stated = [card for card in deck.carried if not any(one.lstrip("*").startswith((f"{card} ", f"{card}:")) for one in deck.lost)]
     lines = [

@@ -103,12 +103,13 @@ class Property:
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DeckSpring:
     """Six stiffnesses between the nodes `ends`, or from one to the ground, along its `axes` (3, 3), `about` a point (3,) that
-    both reach by rigid arms, where it has those."""
+    both reach by rigid arms, where it has those; `loss_factor` its own."""
 
     ends: tuple[int, ...]
     stiffness: Array
     axes: Array | None = None
     about: Array | None = None
+    loss_factor: float = 0.0
 
     @property
     def acting(self) -> Array:
@@ -759,9 +760,13 @@ def _spring(
             deck.lose(name, "which way it is turned is neither stated nor told by its nodes")
             return
         about = points[ends[0]] + (real(f[8]) if f[8] else 0.5) * line if line.any() else None
-        deck.springs[name] = DeckSpring(ends=tuple(ends), stiffness=six, axes=axes, about=about)
+        lost = max(
+            (real(one) for k in range(1, len(law), 8) if law[k].upper() == "GE" for one in law[k + 1 : k + 7]), default=0.0
+        )
+        deck.springs[name] = DeckSpring(ends=tuple(ends), stiffness=six, axes=axes, about=about, loss_factor=lost)
     else:
-        size = real(f[1] if card[-1] == "2" else laws.get(f"P{card[1:5]} {f[1] or f[0]}", ("", ""))[1])
+        law = [f[0], f[1], f[6]] if card[-1] == "2" else laws.get(f"P{card[1:5]} {f[1] or f[0]}", ("", "", ""))
+        size, lost = real(law[1]), real(law[2]) if "ELAS" in card else 0.0
         pairs = [(int(f[k]), f[k + 1]) for k in (2, 4) if f[k].isdigit() and int(f[k]) not in still]
         ends, along = [node for node, _ in pairs], {component for _, component in pairs}
         if {*ends} & {*moving}:
@@ -777,7 +782,7 @@ def _spring(
             R = np.kron(np.eye(2), deck.axes.get(ends[0], np.eye(3)))
             deck.weigh(card, name, ends[0], R.T @ np.diag(six) @ R)
         else:
-            deck.springs[name] = DeckSpring(ends=tuple(ends), stiffness=six)
+            deck.springs[name] = DeckSpring(ends=tuple(ends), stiffness=six, loss_factor=lost)
             deck.turn_spring(name)
     deck.carried[card] = None
 

@@ -1,7 +1,7 @@
 """The TOML text of a mesh or an assembly: parts with material and section, where it is held, places, springs and masses."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -332,11 +332,9 @@ class _Table:
         if "section" in self.table:
             section, reach, z_axis, varied = self.inner("section").section(material)
         tolerance = self.inner("tolerance").known(parts.TOLERANCES)
-        loss = parts.loss_factor(self.table, self.source, self.where)
         # What is written goes before what a table of materials says of the bare metal
         written = isinstance(self.table.get("material"), dict)
-        stated = (loss, material.loss_factor, whole) if written else (loss, whole, material.loss_factor)
-        given = next((each for each in stated if each is not None), None)
+        lost = self.loss(material.loss_factor, whole) if written else self.loss(whole, material.loss_factor)
         return PartTable(
             material=material,
             thickness=thickness,
@@ -346,7 +344,7 @@ class _Table:
             z_axis=z_axis,
             reach=reach,
             varied=varied,
-            loss_factor=given,
+            loss_factor=lost,
             tolerance={key: value for key in tolerance.table if (value := tolerance.number(key, 10.0)) is not None},
         )
 
@@ -377,10 +375,8 @@ class _Table:
         if isinstance(value, dict) and isinstance(value.get("youngs_modulus"), list):
             own = self.inner("material").known(_PLY)
             E1, E2 = own.quantities("youngs_modulus", 2 * ("pressure",)).tolist()
-            given = value.get("shear_modulus")
-            G12, *across = own.quantities(
-                "shear_modulus", (3 if isinstance(given, list) and len(given) > 1 else 1) * ("pressure",)
-            )
+            count = 3 if isinstance(given := value.get("shear_modulus"), list) and len(given) > 1 else 1
+            G12, *across = own.quantities("shear_modulus", count * ("pressure",))
             nu, density = value.get("poisson_ratio"), own.quantity("density", "density", positive=False)
             shrinks = 1 - nu**2 * E2 / max(E1, 1e-300) if isinstance(nu, int | float) else 0.0
             if not shrinks > 0 or min(E1, E2, G12, density) < 0 or min(across, default=1.0) <= 0:
@@ -444,53 +440,52 @@ class _Table:
         if keys == {"area"}:
             A = self.quantity("area", "area")
             return Profile(sizes=(A,), material=material), float(np.sqrt(A / np.pi)), z_axis, False
-        found = ", ".join(keys) or "none"
-        problem = (
-            f"must have width and height, outer_diameter and inner_diameter, area, Iy, Iz and J, or area alone, found {found}"
-        )
+        wanted = "width and height, outer_diameter and inner_diameter, area, Iy, Iz and J, or area alone"
+        problem = f"must have {wanted}, found {', '.join(keys) or 'none'}"
         raise BadInput(self.source, self.where, problem, "Complete one of the four")
 
     def box(self) -> Array:
         value = self.table.get("box")
         if not isinstance(value, list) or len(value) != 2:
             raise self.wrong("box", "two corners", 'Write it like [["0 mm", "0 mm", "-1 mm"], ["50 mm", "50 mm", "1 mm"]]')
-        corners = [
-            _Table(source=self.source, where=self.where, table={"box": each}).quantities("box", 3 * ("length",)) for each in value
-        ]
+        corners = [replace(self, table={"box": each}).quantities("box", 3 * ("length",)) for each in value]
         return np.array([np.minimum(*corners), np.maximum(*corners)])
 
     def stiffness(self) -> Array:
         return parts.six_stiffnesses(self.table.get("stiffness"), units.SI, self.source, f"{self.where}.stiffness")
 
-    def spring(self) -> Spring:
+    def spring(self, whole: float | None) -> Spring:
         x, y = self.direction("x_axis"), self.direction("y_axis")
         try:
             axes = None if x is None and y is None else axes_along(np.zeros(3) if x is None else x, y)
         except ValueError:
             beside = "State both, in the plane of the first two axes"
             raise self.wrong("y_axis", "a direction beside that of `x_axis`", beside) from None
-        more: dict[str, Any] = {"axes": axes, "loss_factor": parts.loss_factor(self.table, self.source, self.where)}
+        more: dict[str, Any] = {"axes": axes, "loss_factor": self.loss(whole)}
         more |= {"about": self.quantities("about", 3 * ("length",))} if "about" in self.table else {}
-        if "between" in self.table:
-            ends = self.table["between"]
-            if "at" in self.table or not isinstance(ends, list) or len(ends) != 2:
-                raise self.wrong("between", "two places, without `at`", 'Write it like between = ["mid-span", "tip"]')
-            two = tuple(_Table(source=self.source, where=self.where, table={"between": end}).at("between") for end in ends)
-            return Spring(at=two, stiffness=self.stiffness(), **more)
-        return Spring(at=(self.at("at"),), stiffness=self.stiffness(), **more)
+        if "between" not in self.table:
+            return Spring(at=(self.at("at"),), stiffness=self.stiffness(), **more)
+        ends = self.table["between"]
+        if "at" in self.table or not isinstance(ends, list) or len(ends) != 2:
+            raise self.wrong("between", "two places, without `at`", 'Write it like between = ["mid-span", "tip"]')
+        two = tuple(replace(self, table={"between": end}).at("between") for end in ends)
+        return Spring(at=two, stiffness=self.stiffness(), **more)
 
-    def joint(self) -> Joint:
+    def joint(self, whole: float | None) -> Joint:
         ends = self.table.get("between")
         if not isinstance(ends, list) or len(ends) != 2 or not all(isinstance(part, str) for part in ends) or ends[0] == ends[1]:
             raise self.wrong("between", "the names of two parts", 'Write it like between = ["deck", "rail"]')
-        loss = parts.loss_factor(self.table, self.source, self.where)
-        return Joint(between=(ends[0], ends[1]), at=self.at("at"), stiffness=self.stiffness(), loss_factor=loss)
+        return Joint(between=(ends[0], ends[1]), at=self.at("at"), stiffness=self.stiffness(), loss_factor=self.loss(whole))
+
+    def loss(self, *otherwise: float | None) -> float | None:
+        """Its own loss factor, else the first that is known of those that hold `otherwise`."""
+        stated = (parts.loss_factor(self.table, self.source, self.where), *otherwise)
+        return next((each for each in stated if each is not None), None)
 
     def mass(self) -> PointMass:
-        mass, moments = self.quantity("mass", "mass"), np.zeros(6)
+        mass, six = self.quantity("mass", "mass"), 6 * ("moment of inertia",)
         cog = self.quantities("cog", 3 * ("length",)) if "cog" in self.table else np.zeros(3)
-        if "moments" in self.table:
-            moments = self.quantities("moments", 6 * ("moment of inertia",))
+        moments = self.quantities("moments", six) if "moments" in self.table else np.zeros(6)
         inertia = Inertia(parameters=np.array([mass, 0.0, 0.0, 0.0, *moments]))
         principal, _ = inertia.principal()  # a floor that turns about its axis alone may have no others, which no body has
         if principal[0] < -1e-6 * principal[-1]:
@@ -502,12 +497,10 @@ class _Table:
         at, key = self.at("at"), "mean_of" if "mean_of" in self.table else "nodes"
         if not isinstance(at, tuple):
             raise self.wrong("at", "three coordinates", 'Write it like ["1 m", "0 m", "20 mm"]')
-        for other in ("nodes", "directions"):
-            if key == "mean_of" and other in self.table:
-                raise self.wrong(other, "left out beside `mean_of`", "Nodes ride on a link, or it follows their mean motion")
-        for of_means in ("weights", "rotations"):
-            if key == "nodes" and of_means in self.table:
-                raise self.wrong(of_means, "left out but beside `mean_of`", "What rides on a link has no weight")
+        barred = ("nodes", "directions") if key == "mean_of" else ("weights", "rotations")
+        for other in self.table.keys() & barred:
+            left = f"left out {'' if key == 'mean_of' else 'but '}beside `mean_of`"
+            raise self.wrong(other, left, "Nodes ride on a link, or it follows their mean motion by weights")
         nodes, weights, rotations = self.nodes(key), self.table.get("weights", []), self.table.get("rotations", False)
         if not isinstance(weights, list) or not all(isinstance(one, int | float) and 0 < one < np.inf for one in weights):
             raise self.wrong("weights", "a list of positive numbers", "Write one for each entry of `mean_of`")
@@ -515,14 +508,8 @@ class _Table:
             raise self.wrong("weights", f"{len(nodes)} numbers, one for each entry of `mean_of`", "Write one for each")
         if not isinstance(rotations, bool):
             raise self.wrong("rotations", "true or false", "Write rotations = true where rotations of the nodes count")
-        return Link(
-            at=at,
-            nodes=nodes,
-            directions=self.directions(),
-            follows=key == "mean_of",
-            weights=tuple(weights),
-            rotations=rotations,
-        )
+        ways, follows = self.directions(), key == "mean_of"
+        return Link(at=at, nodes=nodes, directions=ways, follows=follows, weights=tuple(weights), rotations=rotations)
 
     def sums(self) -> Iterator[NamedSum]:
         """Sums of terms ``[coefficient, node, motion]``; of the three translations alike where no motion is said."""
@@ -531,12 +518,9 @@ class _Table:
             rows: list[Any] = one if isinstance(one, list) else []
             plain = all(isinstance(row, list) and len(row) in (2, 3) and _is_term(*row) for row in rows)
             if not plain or not rows or len({len(row) for row in rows}) > 1:
-                raise BadInput(
-                    self.source,
-                    f"{self.where}.sums",
-                    f"must be sums of [coefficient, node, one of {', '.join(MOTIONS)}], found {str(one)[:80]}",
-                    'Write [[[1, 101, "x"], [-0.5, 7, "x"], [-0.5, 8, "x"]]]; the first term follows the others',
-                )
+                problem = f"must be sums of [coefficient, node, one of {', '.join(MOTIONS)}], found {str(one)[:80]}"
+                remedy = 'Write [[[1, 101, "x"], [-0.5, 7, "x"], [-0.5, 8, "x"]]]; the first term follows the others'
+                raise BadInput(self.source, f"{self.where}.sums", problem, remedy)
             for way in range(3) if len(rows[0]) == 2 else [None]:
                 yield tuple((float(row[0]), row[1], MOTIONS.index(row[2]) if way is None else way) for row in rows)
 
@@ -596,7 +580,7 @@ def read(path: Path) -> MeshDescription:
     kind = toml_file.one_of(table.table["kind"], KINDS, source=source, where=f"{text.TABLE}.kind")
     loss = parts.loss_factor(table.table, source, text.TABLE)
     support = toml_file.one_of(table.table.get("support", "base"), parts.SUPPORTS, source=source, where=f"{text.TABLE}.support")
-    springs = {name: each.spring() for name, each in table.tables("springs", _SPRING).items()}
+    springs = {name: each.spring(loss) for name, each in table.tables("springs", _SPRING).items()}
     interface = table.table.get("interface", [])
     if not isinstance(interface, list) or any(isinstance(each, bool) or not isinstance(each, int | str) for each in interface):
         raise table.wrong("interface", "a list of groups or node numbers", 'Write it like ["foot"]')
@@ -610,10 +594,8 @@ def read(path: Path) -> MeshDescription:
             raise BadInput(source, f"{text.TABLE}.springs.{name}", problem, "Leave one of them out")
     if support == "base" and not interface and kind == "mesh":
         raise table.wrong("interface", "the groups that the base carries", 'Write interface = ["foot"], or support = "free"')
-    holds = {
-        name: Hold(nodes=each.nodes(), directions=each.directions())
-        for name, each in table.tables("holds", ("nodes", "directions")).items()
-    }
+    held = table.tables("holds", ("nodes", "directions")).items()
+    holds = {name: Hold(nodes=each.nodes(), directions=each.directions()) for name, each in held}
     if support == "base" and holds:
         raise table.wrong("holds", "left out where a base carries the structure", 'Leave it out, or write support = "ground"')
     if support == "free" and (interface or holds or any(len(spring.at) == 1 for spring in springs.values())):
@@ -625,10 +607,8 @@ def read(path: Path) -> MeshDescription:
             raise table.wrong("interface", "", "Name the groups that the ground holds, or springs to it")
         interface = [LOWEST]
     unit = table.table.get("units", "mm" if kind == "assembly" else None)
-    if isinstance(unit, str) and "-" not in unit:
-        length = toml_file.length_unit(unit, source, f"{text.TABLE}.units").metres
-    else:
-        length = units.unit_system(unit, source).length
+    word = isinstance(unit, str) and "-" not in unit
+    length = toml_file.length_unit(unit, source, text.TABLE + ".units").metres if word else units.unit_system(unit, source).length
     of_parts = table.tables("parts", _PART)
     if not of_parts:
         raise table.wrong("parts", "a table a group", 'Write [fe_model.parts.NAME] with material = "steel"')
@@ -652,7 +632,7 @@ def read(path: Path) -> MeshDescription:
         places={name: where.at(name) for name in where.table},
         boxes={name: each.box() for name, each in table.tables("groups", ("box",)).items()},
         springs=springs,
-        joints={name: each.joint() for name, each in table.tables("joints", ("between", "at", *_TIED)).items()},
+        joints={name: each.joint(loss) for name, each in table.tables("joints", ("between", "at", *_TIED)).items()},
         masses={name: each.mass() for name, each in table.tables("masses", ("at", "mass", "cog", "moments")).items()},
         links={name: each.link() for name, each in table.tables("links", _LINK).items()},
         equations={name: tuple(each.sums()) for name, each in table.tables("equations", ("sums",)).items()},

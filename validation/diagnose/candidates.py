@@ -25,7 +25,7 @@ from validation.effects.catalogue import FAMILIES, Named, acts
 from validation.estimation.fit import BREAKDOWNS, FLOOR
 from validation.estimation.likelihood import cost_of, tailed
 from validation.estimation.problem import EFFECT, FITTED, Fact, Offsets, Parameter, Prediction, Problem
-from validation.estimation.screening import POWER, MadeUp, ScoreTest, in_the_fit, screened
+from validation.estimation.screening import KNOWN, POWER, MadeUp, ScoreTest, in_the_fit, screened
 from validation.history.add import names_of
 from validation.model.model import Added
 from validation.prediction import effects
@@ -395,7 +395,7 @@ class AnySize:
 
     def detectable(self, plausible: float, evidence: float, side: int = 1) -> float:
         """As `ScoreTest.detectable`, of the size that it tells, to that `side`; infinite where none that is allowed does."""
-        bound = side * (self.parameter.high if side > 0 else self.parameter.low)
+        bound = min(side * (self.parameter.high if side > 0 else self.parameter.low), 1 / KNOWN)
         low = high = self.told.detectable(plausible, evidence)
 
         def named(offset: float) -> bool:

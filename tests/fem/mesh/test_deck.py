@@ -490,6 +490,35 @@ def test_a_spring_to_a_node_that_is_held_and_carries_nothing_is_to_the_ground(tm
     assert found.support == "ground"
 
 
+def test_springs_that_a_deck_draws_direction_by_direction_are_one_support(tmp_path: Path) -> None:
+    """Soil is softer every way: six supports of a node took more names than a diagnosis may give, and other names were given."""
+    apart = [card("CELAS2", 20 + k, 50.0 * k, 4, k) for k in (1, 2, 3)]
+    other = ["CELAS2,27,9.,4,3,,,.2", "CELAS2,28,7.,3,3", "CELAS2,29,5.,3,3"]
+    (tmp_path / "one.bdf").write_text("\n".join([*PLATE, *apart, *other, "ENDDATA", ""]))
+    text, lost = deck.described(tmp_path / "one.bdf", "mm-t-N-s")
+    (tmp_path / "one.toml").write_text(text)
+    found = description.read(tmp_path / "one.toml").springs
+    assert lost == ()
+    assert {name: [*one.stiffness[:3] / 1e3] for name, one in found.items()} == {
+        "CELAS2 21": [50.0, 100.0, 150.0],
+        "CELAS2 27": [0.0, 0.0, 9.0],  # loses otherwise
+        "CELAS2 28": [0.0, 0.0, 7.0],
+        "CELAS2 29": [0.0, 0.0, 5.0],  # beside another along the same axis
+    }
+    assert "# CELAS2 21, CELAS2 22, CELAS2 23 as one; write those apart that are not" in text
+
+
+@pytest.mark.parametrize(
+    "spring", ["CELAS2,9,5.,4,3,,,.04", "PELAS,7,5.,.04\nCELAS1,9,7,4,3", "PBUSH,7,K,,,5.,,,\n,,GE,.04\nCBUSH,9,7,4,,,,,0"]
+)
+def test_springs_lose_what_they_state_and_what_the_whole_does(spring: str, tmp_path: Path) -> None:
+    (tmp_path / "one.bdf").write_text("\n".join([*PLATE, *spring.split("\n"), "PARAM,G,.01", "ENDDATA", ""]))
+    text, lost = deck.described(tmp_path / "one.bdf", "mm-t-N-s")
+    (tmp_path / "one.toml").write_text(text)
+    assert lost == ()
+    assert [one.loss_factor for one in description.read(tmp_path / "one.toml").springs.values()] == [0.05]
+
+
 def test_the_node_of_a_rigid_link_is_a_place_by_its_number(tmp_path: Path) -> None:
     """A sensor at the node of an RBE2 was refused."""
     (tmp_path / "one.bdf").write_text(nastran())

@@ -73,6 +73,9 @@ def test_parts_add_up_to_the_whole_with_masses_springs_and_joints(meshed: Meshed
     assert structure.grounded
     assert (structure.supports, structure.joints, len(structure.held)) == (("pad",), ("bolt",), 0)
     assert structure.loss_factors == {"pad": 0.1, "bolt": 0.03}
+    silent, held = more.replace("loss_factor = 0.1", "").replace("loss_factor = 0.03", ""), 'interface = ["root"]'
+    whole = meshed(chain(), HALVES, support=f'support = "ground"\nloss_factor = 0.02\n{held}', more=silent)
+    assert whole.loss_factors == dict.fromkeys(("left", "right", "pad", "bolt"), 0.02)  # springs had lost nothing
     assert set(structure.part_stiffness) == {"left", "right", "pad", "bolt"}
     assert set(structure.part_mass) == {"left", "right", "sensor"}
     for whole, shares in ((structure.stiffness, structure.part_stiffness), (structure.mass, structure.part_mass)):

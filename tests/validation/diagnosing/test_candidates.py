@@ -224,6 +224,23 @@ def test_a_spring_is_asked_of_those_data_alone_that_it_reaches():
     assert (float(answers.score), float(answers.own), answers.swallowed.tolist()) == (3.0, 4.0, [0.6])
 
 
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_support_that_data_tell_next_to_nothing_of_is_promised_at_no_size(side: int) -> None:
+    told = ScoreTest(name="support-stiffness:drive", estimate=0.0, information=1e-300, tolerance=0.1)
+    answers = candidates.Answers(score=np.array([0.0]), own=np.array([1e-300]), swallowed=np.zeros((1, 1)))
+    reached = SimpleNamespace(name="reached", lines=None)
+    test: Any = SimpleNamespace(of=reached, names=(), slope=np.zeros(1), beyond=lambda rows: rows, answers=lambda _: answers)
+    moved = SimpleNamespace(
+        measured=reached,
+        parameters=[SimpleNamespace(name=told.name)],
+        at=lambda *_, **__: Predicted(rows=np.zeros((1, 1, 1))),
+    )
+    problem: Any = SimpleNamespace(predictions=(moved,))
+    parameter: Any = SimpleNamespace(low=-np.inf, high=np.inf)
+    one = candidates.AnySize(told=told, parameter=parameter, problem=problem, offsets={}, tests=[test])
+    assert one.detectable(1.0, 8.0, side) == np.inf
+
+
 SATURATED = ("cable:d:x", "cable:d:y")
 
 
