@@ -23,6 +23,7 @@ import numpy.typing as npt
 
 from geometry.errors import BadInput
 from geometry.frames import Array
+from geometry.sensors import ChannelTable
 from identification.base_motion import base_motion, resultants
 from identification.campaign import NOMINAL, Campaign, block_length, quiet_blocks
 from identification.spectra.line_spectra import Spectra, hann, without_straight_line
@@ -253,12 +254,11 @@ def over_a_reference(spectra: Spectra, untold: npt.NDArray[np.bool_]) -> Array:
     What is read over the loudest accelerometer below the article goes smoothly over the lines but for resonances, fewer than half
     of them. Noise is the larger of a constant and a share; half the square of the least share is laid on the reference itself.
     """
-    table, noise = spectra.table, np.zeros(spectra.values.shape)
-    below = list(table.select(group="table", quantity="acceleration") or table.select(group="cover", quantity="acceleration"))
+    noise, below = np.zeros(spectra.values.shape), _below(spectra.table)
     if not below or not untold.any() or len(spectra.frequency) < FEWEST:
         return noise
     for k, values in enumerate(spectra.values):
-        pilot = values[:, below[int(np.argmax(np.linalg.norm(values[:, below], axis=0)))], None]
+        pilot = values[:, _loudest(values, below), None]
         functions = values * pilot.conj() / np.maximum(np.square(np.abs(pilot)), np.finfo(np.float64).tiny)
         rough = _rough(functions) * np.abs(pilot[MIDDLE])
         shares = np.median(rough / np.maximum(np.abs(values[MIDDLE]), np.finfo(np.float64).tiny), axis=0)
@@ -266,6 +266,53 @@ def over_a_reference(spectra: Spectra, untold: npt.NDArray[np.bool_]) -> Array:
         shares = np.sqrt(np.where(shares > ROUNDING, np.maximum(np.square(shares) - own, np.square(shares) / 2), own))
         noise[k, :, untold] = np.maximum(np.median(rough, axis=0), shares * np.abs(values)).T[untold]
     return np.where(np.isfinite(noise) & (noise > ROUNDING * np.abs(spectra.values)), noise, 0.0)
+
+
+def _below(table: ChannelTable) -> list[int]:
+    """The accelerometers below the article."""
+    return list(table.select(group="table", quantity="acceleration") or table.select(group="cover", quantity="acceleration"))
+
+
+def _loudest(values: npt.NDArray[np.complex128], channels: list[int]) -> int:
+    return channels[int(np.argmax(np.linalg.norm(values[:, channels], axis=0)))]
+
+
+def with_reading(spectra: Spectra, sd: Array) -> Array:
+    """`sd` (r, n, c) of `of_redundancy`, as sqrt(a² + s² |y|²) where noise goes with what is read: at a resonance it is tens of
+    times what redundant channels tell of the ordinary line.
+
+    What is read over the loudest accelerometer below is that of one mode over a few lines, see `share_with_reading`; what that
+    leaves holds the noise of both. One share s of all runs, a of each run's accelerometers; of the forces that of `sd`.
+    """
+    below, chosen = _below(spectra.table), list(spectra.table.select(quantity="acceleration"))
+    if not below or not sd[:, :, chosen].all() or len(spectra.frequency) <= 2 * ONE_MODE:
+        return sd
+    at, parts = slice(ONE_MODE, len(spectra.frequency) - ONE_MODE), []
+    for values in spectra.values:
+        pilot = _loudest(values, below)
+        others = [c for c in chosen if c != pilot]
+        functions = values[:, others] / values[:, [pilot]]
+        left, told = _beside_one_mode(np.lib.stride_tricks.sliding_window_view(functions, 2 * ONE_MODE + 1, axis=0))
+        power, base = np.square(np.abs(values[at][:, others])), np.square(np.abs(values[at][:, [pilot]]))
+        loud = told & (power > LOUD * np.median(power, axis=0))
+        parts.append((np.square(left) * base / np.log(2), power, power / base, loud, told & ~loud))
+    if not all(loud.any() and ordinary.any() for *_, loud, ordinary in parts):
+        return sd
+    share, level = 0.0, np.zeros(len(parts))
+    for k in range(ROUNDS):
+        level = np.array([max(np.median(((left - 2 * share * y) / (1 + f))[few]), 0.0) for left, y, f, _, few in parts])
+        each = np.concatenate(
+            [
+                ((left - a * (1 + f)) / (2 * y))[loud & (y > CLEAR**2 * a * (1 + f))]
+                for a, (left, y, f, loud, _) in zip(level, parts, strict=True)
+            ]
+        )
+        if not k and (len(each) < FEWEST or np.mean(each > 0) < SAY_SO):
+            return sd
+        share = max(float(np.median(each)), 0.0)
+    variance = np.square(sd)
+    variance[:, :, chosen] = level[:, None, None]
+    return np.where(sd > 0, np.sqrt(variance + share * np.square(np.abs(spectra.values))), sd)
 
 
 # Noise of lines that brought no records along, from the lines themselves.
@@ -305,6 +352,13 @@ Held by test_noise_between_lines.py."""
 
 AT_MOST = 20_000
 """[lines] of all functions that are asked for it, evenly spread: more tell no more. Held by test_noise_between_lines.py."""
+
+SAY_SO = 0.6
+"""[share] of the loud readings that must be rougher than noise of one level makes half of them, for noise to go with the reading.
+Held by test_of_campaign.py."""
+
+ROUNDS = 12
+"""[count] of times that either part of the noise is told beside the other. Exercised by test_of_campaign.py."""
 
 FREE = 0.1
 """[share] of its noise that the fit of a mode leaves of a line at least for it to tell. Exercised by

@@ -219,7 +219,7 @@ def _as_recorded(
     which = f"that of {'other' if found else 'all'} channels"
     how += [f"{which} is told from neighbouring lines, over an accelerometer of the base"] if np.any(others > 0) else []
     said = f"the files hold spectra, which have no quiet part to take the noise from: {', '.join(how) or 'it counts as 0'}"
-    return replace(made, noise=sd + others, warnings=(*made.warnings, said))
+    return replace(made, noise=noise.with_reading(made, sd) + others, warnings=(*made.warnings, said))
 
 
 def _same(some: Array, others: Array, grid: Array | None = None) -> bool:

@@ -179,6 +179,39 @@ def test_noise_of_spectra_without_redundant_channels_is_told_over_the_base(campa
         assert not noise.over_a_reference(replace(some, values=smooth), untold).any()
 
 
+@pytest.mark.parametrize("share", [0.0, 3e-3])
+def test_noise_that_goes_with_what_is_read_is_told_at_resonances_and_noise_of_one_level_stays(campaign: Campaign, share) -> None:
+    """A sound stack on a table was unknown: at its resonances noise was up to a hundred times what redundant channels tell."""
+    lines, rng, level = np.arange(15.0, 140.0, 0.2), np.random.default_rng(5), 5e-3
+    made = spectra(campaign, frequency=np.linspace(5, 30, len(lines)))
+    runs, n, channels = 2, len(lines), len(made.table.channels)
+    of_article = [c for c in range(channels) if c not in made.table.select(group="table")]
+    functions = rng.uniform(0.2, 1.0, (runs, 1, channels)) * np.ones((runs, n, channels), dtype=complex)
+    for k in of_article:
+        functions[:, :, k] += 0.7 / (1 - (lines / (40 + 10 * k)) ** 2 + 0.02j)
+    clean = 3.0 * np.exp(0.7j * lines)[None, :, None] * functions
+    sd = np.hypot(share * np.abs(clean), level)
+    added = rng.standard_normal((*clean.shape, 2)) @ np.array([1, 1j]) / np.sqrt(2)
+    some = replace(
+        made,
+        frequency=lines,
+        values=clean + sd * added,
+        noise=0 * sd,
+        quality=np.ones((runs, n)),
+        runs=made.runs[:runs],
+        axes=made.axes[:runs],
+    )
+    told = np.full(clean.shape, level)
+    found = noise.with_reading(some, told)
+    if not share:
+        assert found is told
+    else:
+        assert sd.max() > 10 * level
+        assert_allclose(found / sd, 1.0, atol=0.15)
+    some_told = told * (np.arange(channels) != made.table.select(quantity="acceleration")[0])
+    assert noise.with_reading(some, some_told) is some_told  # an accelerometer of which nothing is known
+
+
 @pytest.mark.parametrize(
     ("lacking", "said"),
     [

@@ -50,7 +50,7 @@ from validation.estimation.likelihood import cost_of, ends_of
 from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, Evaluation, Offsets, Problem
 from validation.estimation.screening import in_the_fit
 from validation.estimation.verdicts import tolerances
-from validation.history.add import completed
+from validation.history.add import completed, sized_by
 from validation.model.model import Added, Model, require_target, vocabulary
 from validation.model.setups import above_fmd, is_stack
 from validation.model.tolerance_classes import METROLOGY
@@ -139,6 +139,9 @@ def diagnosed(
             base = diagnosis.Candidate(effects=(), fit=right.all_free(begin=fit), problem=right.problem())
             menu = menu if only else candidates.candidates(right, leave_out=leave_out)
         right, at, steps = stepwise_search(right, base, menu, tell, elsewhere if every else None, fitted)
+        if odd and at.effects and goodness_of_fit(at.fit, at.problem).null:  # with these the model may have the mode
+            stand = [replace(sized_by(one, at.fit), fixed=True) for one in at.effects]
+            odd = without_strangers(right, (*right.model.effects, *stand))[1]
         for _, hertz in odd:
             tried = swinging(right, base, hertz, wanted)
             if tried and is_weighed(tried[0]):

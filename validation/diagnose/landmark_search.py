@@ -52,13 +52,13 @@ MOST_EFFECTS = 3
 KEPT = 3
 """[count] of explanations beside which others are looked for. Held by test_landmark_search.py."""
 
-LOOKED_AT = 12
+LOOKED_AT = 20
 """[count] of effects that are looked at beside others, those that should do most there. Held by test_landmark_search.py."""
 
 OF_A_FAMILY = 2
 """[count] of these whose newest effect is of one family: joints yield for one another. Held by test_landmark_search.py."""
 
-TRIED = 4
+TRIED = 6
 """[count] of effects that are fitted beside each of these. Held by test_landmark_search.py."""
 
 ALIKE = 0.9995
