@@ -274,6 +274,8 @@ class ChannelSource:
 
         What is lost in twice its noise is near to all that is, too; but of a unit a reading must be seen.
         """
+        if not self.factor:  # of a reading of nothing, as of a pilot that was not read
+            return 1.0
         size, c, d = abs(self.factor), self.channel, self.plug
         units = [np.hypot(of.level[:, d], 2 * np.hypot(of.noise[:, c] / size, of.unsure[:, d])) for of in every]
         y = np.concatenate([of.reading[:, c] / unit for of, unit in zip(every, units, strict=True)]) / self.factor

@@ -10,7 +10,7 @@ import pytest
 from geometry.errors import CheckFailed
 from identification.campaign import UNITS
 from validation.diagnose.diagnosis import Cause
-from validation.diagnose.mistakes import mistakes
+from validation.diagnose.mistakes import ChannelSource, LowFrequencyReadings, mistakes
 from validation.effects.catalogue import Named, parse_all
 from validation.effects.effect import COVER, FMD, TABLE
 from validation.model.model import Added, Model
@@ -133,3 +133,14 @@ def test_ordinary_laboratories_and_faults_are_no_mistakes_and_campaigns_that_con
     other = replace(right, tested=replace(right.tested, measured=replace(right.measured, name="again")))
     with pytest.raises(CheckFailed, match=r"in again fmd-z2 reads as expected times -1, in cuboid it is as the file says"):
         mistakes(bench(right, wrong(other, "polarity:fmd-z2")))
+
+
+def test_a_reading_of_nothing_is_no_signal_times_nothing() -> None:
+    """Of a test on two axes the pilot of one is not read along the other; warnings of 0/0 had reached the screen."""
+    values, noise = np.array([[0.0, 8.7]] * 4, dtype=np.complex128), np.array([[1e6, 1e-2]] * 4)
+    channels, quantities = ("pilot-x", "above"), ("acceleration",) * 2
+    one = LowFrequencyReadings(
+        name="z", channels=channels, quantities=quantities, lines=4, reading=values, expected=values, noise=noise, unsure=noise
+    )
+    with np.errstate(divide="raise", invalid="raise"):
+        assert ChannelSource(channel=0, plug=1, factor=0.0, units=("", ""), gain=0.0).distance([one]) == 1.0
