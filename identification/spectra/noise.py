@@ -259,7 +259,7 @@ def over_a_reference(spectra: Spectra, untold: npt.NDArray[np.bool_]) -> Array:
         return noise
     for k, values in enumerate(spectra.values):
         pilot = values[:, _loudest(values, below), None]
-        functions = values * pilot.conj() / np.maximum(np.square(np.abs(pilot)), np.finfo(np.float64).tiny)
+        functions = _over(values, pilot)
         rough = _rough(functions) * np.abs(pilot[MIDDLE])
         shares = np.median(rough / np.maximum(np.abs(values[MIDDLE]), np.finfo(np.float64).tiny), axis=0)
         own = np.square(min(shares[shares > ROUNDING], default=0.0)) / 2
@@ -277,6 +277,11 @@ def _loudest(values: npt.NDArray[np.complex128], channels: list[int]) -> int:
     return channels[int(np.argmax(np.linalg.norm(values[:, channels], axis=0)))]
 
 
+def _over(values: npt.NDArray[np.complex128], pilot: npt.NDArray[np.complex128]) -> npt.NDArray[np.complex128]:
+    """(n, c) `values` over `pilot` (n, 1); 0 where that reads nothing."""
+    return np.asarray(values * pilot.conj() / np.maximum(np.square(np.abs(pilot)), np.finfo(np.float64).tiny))
+
+
 def with_reading(spectra: Spectra, sd: Array) -> Array:
     """`sd` (r, n, c) of `of_redundancy`, as sqrt(a² + s² |y|²) where noise goes with what is read: at a resonance it is tens of
     times what redundant channels tell of the ordinary line.
@@ -291,9 +296,9 @@ def with_reading(spectra: Spectra, sd: Array) -> Array:
     for values in spectra.values:
         pilot = _loudest(values, below)
         others = [c for c in chosen if c != pilot]
-        functions = values[:, others] / values[:, [pilot]]
-        left, told = _beside_one_mode(np.lib.stride_tricks.sliding_window_view(functions, 2 * ONE_MODE + 1, axis=0))
-        power, base = np.square(np.abs(values[at][:, others])), np.square(np.abs(values[at][:, [pilot]]))
+        near = np.lib.stride_tricks.sliding_window_view(_over(values[:, others], values[:, [pilot]]), 2 * ONE_MODE + 1, axis=0)
+        power, base = np.square(np.abs(values[at][:, others])), np.square(np.abs(values[at][:, [pilot]])) + LEAST
+        left, told = _beside_one_mode(near)
         loud = told & (power > LOUD * np.median(power, axis=0))
         parts.append((np.square(left) * base / np.log(2), power, power / base, loud, told & ~loud))
     if not all(loud.any() and ordinary.any() for *_, loud, ordinary in parts):
@@ -301,13 +306,11 @@ def with_reading(spectra: Spectra, sd: Array) -> Array:
     share, level = 0.0, np.zeros(len(parts))
     for k in range(ROUNDS):
         level = np.array([max(np.median(((left - 2 * share * y) / (1 + f))[few]), 0.0) for left, y, f, _, few in parts])
-        each = np.concatenate(
-            [
-                ((left - a * (1 + f)) / (2 * y))[loud & (y > CLEAR**2 * a * (1 + f))]
-                for a, (left, y, f, loud, _) in zip(level, parts, strict=True)
-            ]
-        )
-        if not k and (len(each) < FEWEST or np.mean(each > 0) < SAY_SO):
+        each = list[float]()
+        for a, (left, y, f, loud, _) in zip(level, parts, strict=True):
+            clear = loud & (y > CLEAR**2 * a * (1 + f))
+            each += ((left - a * (1 + f))[clear] / (2 * y[clear])).tolist()
+        if not k and (len(each) < FEWEST or np.mean(np.array(each) > 0) < SAY_SO):
             return sd
         share = max(float(np.median(each)), 0.0)
     variance = np.square(sd)
