@@ -146,7 +146,7 @@ def lowest(
 
     Parameters
     ----------
-    stiffness, mass : (f, f) sparse, symmetric; K positive semi-definite, M too
+    stiffness, mass : (f, f) sparse, symmetric; K positive semi-definite, M too but for what is taken away at single places
     shift : [rad²/s²], not above the lowest eigenvalue; below zero for a body that floats freely (`floating_shift`)
     factoriser : name as in `fem.factorisers`; chosen by itself when None
     progress : hook, see `Progress`
@@ -195,7 +195,7 @@ def _by_lanczos(K: Sparse, M: Sparse, count: int, shift: float, factoriser: str 
 
     pairs = _iterated(K, M, count, shift, solve, np.zeros((K.shape[0], 0)))
     for _ in range(ROUNDS):
-        best = largest_left(M, pairs.vectors, solve)
+        best = largest_left(M, pairs.vectors, solve, _length(K, M, shift))
         if best <= MISSED / (pairs.values[-1] - shift):
             return replace(pairs, factor=factor)
         others = _iterated(K, M, count, shift, solve, pairs.vectors)
@@ -218,6 +218,9 @@ def _iterated(K: Sparse, M: Sparse, count: int, shift: float, solve: Callable[[A
     start = inverse(M @ np.random.default_rng(0).standard_normal(size))  # M first: a massless direction has no place in it
     operator, ncv = LinearOperator(K.shape, matvec=inverse, dtype=np.float64), min(size, max(2 * count + 1, 20))
     try:
+        if (energy := _length(K, M, shift)) is not M:
+            theta, vectors = eigsh(M, count, M=energy, Minv=operator, v0=start, ncv=ncv, tol=CONVERGED, which="LA")
+            return _sorted(shift + 1 / theta, vectors / np.sqrt(theta))
         return _sorted(*eigsh(K, count, M=M, sigma=shift, OPinv=operator, v0=start, ncv=ncv, tol=CONVERGED))
     except ArpackNoConvergence as error:
         raise CheckFailed(
@@ -227,18 +230,24 @@ def _iterated(K: Sparse, M: Sparse, count: int, shift: float, solve: Callable[[A
         ) from None
 
 
-def largest_left(M: Sparse, vectors: Array, solve: Callable[[Array], Array]) -> float:
+def _length(K: Sparse, M: Sparse, shift: float) -> Sparse:
+    """What measures lengths: the mass, or the energy where more of it is taken away from a place than is there."""
+    return K - shift * M if M.diagonal().min() < 0 else M
+
+
+def largest_left(M: Sparse, vectors: Array, solve: Callable[[Array], Array], length: Sparse) -> float:
     """A lower bound of theta in the space M-orthogonal to `vectors` (f, n): some Lanczos steps from a start of their own."""
     from scipy.linalg import eigh_tridiagonal
 
+    vectors = vectors / np.sqrt(np.sum(vectors * (length @ vectors), axis=0))
     basis = np.zeros((len(vectors), 0))
     diagonal: list[float] = []
     beside: list[float] = []
     vector = solve(M @ np.random.default_rng(1).standard_normal(len(vectors)))
     for _ in range(min(SEARCH_STEPS, vectors.shape[0] - vectors.shape[1])):
         for known in (vectors, basis, vectors, basis):  # twice is enough (Parlett, The Symmetric Eigenvalue Problem, 6.9)
-            vector = vector - known @ (known.T @ (M @ vector))
-        norm = float(np.sqrt(max(vector @ (M @ vector), 0.0)))
+            vector = vector - known @ (known.T @ (length @ vector))
+        norm = float(np.sqrt(max(vector @ (length @ vector), 0.0)))
         if diagonal:
             if norm <= SEEN * max(diagonal):
                 break
@@ -246,9 +255,9 @@ def largest_left(M: Sparse, vectors: Array, solve: Callable[[Array], Array]) -> 
         elif norm == 0.0:
             return 0.0
         vector = vector / norm
-        basis, weighed = np.column_stack([basis, vector]), M @ vector
-        vector = solve(weighed)
-        diagonal.append(float(weighed @ vector))
+        basis, along = np.column_stack([basis, vector]), length @ vector
+        vector = solve(M @ vector)
+        diagonal.append(float(along @ vector))
     return float(eigh_tridiagonal(diagonal, beside, eigvals_only=True)[-1])
 
 

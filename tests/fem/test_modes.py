@@ -46,6 +46,21 @@ def test_equal_frequencies_of_two_equal_bodies_are_all_found(block: Block) -> No
     assert_allclose(lowest(K, M, 24).values, expected, rtol=1e-9)
 
 
+def test_mass_that_is_taken_away_where_there_is_less_costs_no_more_solutions_than_mass_that_is_there(block: Block) -> None:
+    held, solved = hold(block(6, 5, 7)), list[int]()
+    place = np.zeros(len(held.free))
+    place[100:103] = -5 * held.mass.diagonal()[100:103]
+    for mass in (held.mass, csr_array(held.mass + diags_array(place))):
+        asked = list[int]()
+        found = lowest(held.stiffness, mass, 30, progress=asked.append)
+        theta = eigvalsh(mass.toarray(), held.stiffness.toarray())
+        assert_allclose(found.values, 1 / theta[::-1][:30], rtol=1e-8)
+        assert_allclose(found.vectors.T @ (mass @ found.vectors), np.eye(30), atol=1e-8)
+        solved.append(len(asked))
+    assert theta[0] < 0
+    assert solved[1] < 1.5 * solved[0]
+
+
 def test_a_missed_mode_fails_the_run(block: Block, monkeypatch: pytest.MonkeyPatch) -> None:
     held = hold(block(6, 6, 6))
     monkeypatch.setattr("scipy.sparse.linalg.eigsh", _forgetful(held.stiffness, held.mass))
