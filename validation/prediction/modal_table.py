@@ -59,6 +59,10 @@ SHIFTED = 1e-9
 MASSLESS = 1e-13
 """Share of the mass of the slowest coordinate below which one has none."""
 
+WHOLE = 2.0
+"""Of the highest frequency of a table, up to where modes are mixed as they are once something stands on the structure. Held by
+test_modal_table.py."""
+
 CLOSEST = 1e-9
 """Least distance of two squares of frequencies, relative: nearer modes have no shape of their own."""
 
@@ -89,9 +93,9 @@ class RealModes:
 
     Attributes
     ----------
-    matrices : whose they are
-    squares : (k,) omega² [1/s²], ascending; of motions of a free body about zero, infinite of coordinates without mass
-    shapes : (k, k) a column a mode, of mass 1; of a coordinate without mass of strain energy 1/2
+    matrices : whose they are; of `loaded` ones those of the structure without its loads
+    squares : (m,) omega² [1/s²], ascending; of motions of a free body about zero, infinite of coordinates without mass
+    shapes : (k, m) a column a mode, of mass 1; of a coordinate without mass of strain energy 1/2; m is k but for `loaded` ones
     """
 
     matrices: Matrices
@@ -156,6 +160,29 @@ class RealModes:
         lost = (omega * C + S) @ phi
         d_loss = d_square / (2 * omega) * (phi @ C @ phi) + 2 * lost @ shapes
         return d_square, shapes, (d_loss - phi @ lost * d_square / square) / (2 * square)
+
+    def loaded(self, row: Array, count: int) -> Callable[[Array, Array], "RealModes"]:
+        """Modes once masses [kg] and springs [N/m] (3,) stand where coordinates move `row` (3, j), those that follow it nothing.
+
+        `count` of the modes are mixed as they are, and of all others what they give to forces along `row` and to the inertia of
+        that: what a mode lacks goes with the fourth power of its frequency over theirs.
+        """
+        at = row @ self.shapes[: row.shape[1]]
+        far, moving = self.squares[count:], np.isfinite(self.squares[count:])
+        stiff, heavy = np.where(moving, far, 1.0), moving * 1.0
+        gives = at[:, count:].T / np.sqrt(stiff)[:, None]
+        gives, _ = np.linalg.qr(np.hstack([gives, gives * (heavy / stiff)[:, None]]))
+        others = gives / np.sqrt(stiff)[:, None]  # of strain energy 1/2
+        mixed = np.hstack([self.shapes[:, :count], self.shapes[:, count:] @ others])
+        at, near = np.hstack([at[:, :count], at[:, count:] @ others]), np.minimum(count, len(self.squares))
+        stiffness, mass = np.diag(np.append(self.squares[:count], np.ones(others.shape[1]))), np.eye(near + others.shape[1])
+        mass[near:, near:] = others.T @ (heavy[:, None] * others)
+
+        def modes(masses: Array, springs: Array) -> RealModes:
+            squares, shapes = real_pairs(stiffness + (at.T * springs) @ at, mass + (at.T * masses) @ at)
+            return replace(self, squares=squares, shapes=mixed @ shapes)
+
+        return modes
 
     def _gaps(self, mode: int) -> Array:
         """(k,) square of the frequency of `mode` less that of every other [1/s²], by which shapes mix."""
@@ -402,16 +429,18 @@ class _TablePart(ABC):
         """What is read with a mass or a spring of any size at a place."""
         known = {**offsets, **self._opened[1]}
         modes, _, _, effects = self.found(known, derivatives=False)
+        f = self.table.frequency
+        slow, below = np.searchsorted(modes.frequency, (SLOWEST * f.min(), WHOLE * f.max()))
+        enough = max(int(below), int(slow) + 2 * len(f))
 
         def at(row: Array) -> Callable[[Array, Array], ComplexArray]:
-            own = np.pad(row, ((0, 0), (0, len(modes.squares) - row.shape[1])))
+            # Frequencies and shapes ask one after the other
+            place, lately = row.tobytes(), self.structure.lately
+            with_them = lately("place", (modes, self.table, place), lambda: modes.loaded(row, enough))
 
             def read(mass: Array, spring: Array) -> ComplexArray:
-                whole = modes.matrices
-                M, K = whole.mass + (own.T * mass) @ own, whole.stiffness + (own.T * spring) @ own
-                # Frequencies and shapes ask one after the other
-                key, lately = (whole, K.tobytes(), M.tobytes()), self.structure.lately
-                there = lately("attached", key, lambda: real_modes(replace(whole, mass=M, stiffness=K)))
+                key = (modes, self.table, place, mass.tobytes(), spring.tobytes())
+                there = lately("attached", key, lambda: with_them(mass, spring))
                 every = lately("beside", (there, self.table), lambda: partners(there, self.table, self.effects))
                 return self._modes_read(there, [every[k] for k in self.modes], known, effects)
 

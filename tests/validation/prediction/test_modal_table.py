@@ -321,14 +321,36 @@ def test_frequencies_and_shapes_ask_the_modes_of_a_mass_somewhere_once(monkeypat
     nominal, asked = chain(), []
     made = modal_table.of(nominal, table(nominal))
     read = [one.finite({}, np.array([0])) for one in made]
-    solved = modal_table.real_modes
-    monkeypatch.setattr(modal_table, "real_modes", lambda matrices: asked.append(matrices) or solved(matrices))
+    solved = modal_table.real_pairs
+    monkeypatch.setattr(modal_table, "real_pairs", lambda *matrices: asked.append(matrices) or solved(*matrices))
     row = nominal.nominal.places["mass-3"]
     found = [one(row)(np.full(3, 0.5), np.zeros(3)) for one in read]
     assert len(asked) == 1
     other = modal_table.of(chain(point=(2, 0.5)), table(nominal))
     for one, due in zip(found, other, strict=True):
         assert_allclose(one, due.at({}).rows, rtol=1e-9)
+
+
+@pytest.mark.parametrize("case", ["grounded", "free", "with a place without mass"])
+@pytest.mark.parametrize(("mass", "spring"), [(0.5, 0.0), (-1.5, 0.0), (20.0, 0.0), (0.0, 1e3), (0.0, 1e6)])
+def test_modes_with_a_load_are_those_of_the_matrices_with_it_to_a_ten_thousandth_of_what_it_changes(
+    case: str, mass: float, spring: float
+) -> None:
+    n, alone = 60, np.eye(60)
+    whole = n * K * np.diff(alone, axis=0).T @ np.diff(alone, axis=0) + (0.0 if case == "free" else n * K * np.diag(alone[0]))
+    weight = np.full(n, M / 10)
+    weight[37] = 0.0 if case == "with a place without mass" else M / 10
+    at, zeros = (37 if case == "with a place without mass" else 41), np.zeros((n, n))
+    matrices = Matrices(base=0, mass=np.diag(weight), stiffness=whole, viscous=zeros, structural=zeros, places={})
+    bare, row = modal_table.real_modes(matrices), np.vstack([alone[at], np.zeros((2, n))])
+    loaded = bare.loaded(row, 12)(np.full(3, mass), np.full(3, spring))
+    due = modal_table.real_modes(
+        replace(matrices, mass=np.diag(weight + mass * alone[at]), stiffness=whole + spring * np.diag(alone[at]))
+    )
+    few = slice(1, 6)
+    change = np.linalg.norm(due.squares[few] - bare.squares[few])
+    assert np.linalg.norm(loaded.squares[few] - due.squares[few]) < 1e-4 * change
+    assert (np.diag(mac(loaded.shapes[:, few].T, due.shapes[:, few].T)) > 1 - 1e-6).all()
 
 
 def test_a_table_without_damping_asks_no_derivative_by_losses_for_they_change_nothing_that_it_has() -> None:
