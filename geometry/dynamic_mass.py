@@ -46,14 +46,7 @@ class DynamicMass:
     def __post_init__(self) -> None:
         frequency = np.asarray(self.frequency, dtype=np.float64)
         object.__setattr__(self, "frequency", frozen(frequency, (frequency.size,), "frequency"))
-        shape = (frequency.size, 6, 6)
-        array = np.array(self.matrix, dtype=np.complex128)
-        if array.shape != shape:
-            raise ValueError(f"`matrix` must have shape {shape}, found {array.shape}")
-        if not np.all(np.isfinite(array)):
-            raise ValueError("`matrix` must be finite")
-        array.setflags(write=False)
-        object.__setattr__(self, "matrix", array)
+        object.__setattr__(self, "matrix", frozen(self.matrix, (frequency.size, 6, 6), "matrix", np.complex128))
         freeze(self, reference_point=(3,))
         if frequency.size and (frequency[0] < 0 or np.any(np.diff(frequency) <= 0)):
             raise ValueError("`frequency` must ascend and not be negative")

@@ -5,6 +5,7 @@ Frames are right-handed with z up. A `Pose` says where a body's own frame sits i
 """
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,15 +17,15 @@ Array = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.intp]
 
 
-def frozen(value: npt.ArrayLike, shape: tuple[int, ...], name: str) -> Array:
-    """Copy `value` into a read-only float64 array of `shape`; one that is read-only and nobody else's stays what it is.
+def frozen(value: npt.ArrayLike, shape: tuple[int, ...], name: str, kind: type = np.float64) -> npt.NDArray[Any]:
+    """Copy `value` into a read-only array of `shape` and `kind`; one that is read-only and nobody else's stays what it is.
 
     Raises
     ------
     ValueError : `value` has another shape or holds NaN or infinity; the message names it and the first such entry.
     """
     safe = isinstance(value, np.ndarray) and not value.flags.writeable and value.base is None
-    array = np.array(value, dtype=np.float64, copy=None if safe else True)
+    array: npt.NDArray[Any] = np.array(value, dtype=kind, copy=None if safe else True)
     if array.shape != shape:
         raise ValueError(f"`{name}` must have shape {shape}, found {array.shape}")
     if not np.all(np.isfinite(array)):

@@ -21,7 +21,7 @@ import numpy.typing as npt
 from geometry import sensors
 from geometry.dynamic_mass import MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen
+from geometry.frames import Array, freeze
 from geometry.inertia import combination, of_motions, of_resultants
 from geometry.sensors import ChannelTable, motion_rows
 from identification.campaign import NOMINAL
@@ -247,8 +247,7 @@ class DrivenMotions:
     directions: ComplexArray
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "frequency", frozen(self.frequency, self.frequency.shape, "frequency"))
-        object.__setattr__(self, "singular", frozen(self.singular, (*self.frequency.shape, 6), "singular"))
+        freeze(self, "frequency", singular=(*self.frequency.shape, 6))
 
     @property
     def condition(self) -> Array:
@@ -425,8 +424,7 @@ class RunNoise:
         shape = np.asarray(self.load).shape
         if len(shape) != 4 or shape[2:] != (6, 6):
             raise ValueError(f"`load` must have shape (r, n, 6, 6), found {shape}")
-        object.__setattr__(self, "load", frozen(self.load, shape, "load"))
-        object.__setattr__(self, "motion", frozen(self.motion, shape, "motion"))
+        freeze(self, load=shape, motion=shape)
 
 
 # From load-cell channels to the six resultants about F, and the combinations of channels that must balance.

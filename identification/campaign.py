@@ -19,7 +19,7 @@ import numpy.typing as npt
 from geometry import cache
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
-from geometry.frames import Array, Pose, frozen
+from geometry.frames import Array, Pose, freeze
 from geometry.inertia import Observability, of_motions, of_resultants
 from geometry.sensors import SI, Channel, ChannelTable, motion_rows
 from geometry.toml_file import PLAUSIBLE, STANDARD_GRAVITY, nearest
@@ -64,15 +64,10 @@ class Recording:
             raise ValueError(f"`sampling_rate` must be positive, found {self.sampling_rate}")
         if self.frequency is not None:
             lines = np.array(self.frequency, dtype=np.float64)
-            if (
-                lines.shape != values.shape[:1]
-                or not np.all(np.isfinite(lines))
-                or np.any(np.diff(lines) <= 0)
-                or np.any(lines < 0)
-            ):
+            as_many = lines.shape == values.shape[:1] and np.all(np.isfinite(lines))
+            if not as_many or np.any(np.diff(lines) <= 0) or np.any(lines < 0):
                 raise ValueError(f"`frequency` must be {len(values)} ascending frequencies, not negative")
-            lines.setflags(write=False)
-            object.__setattr__(self, "frequency", lines)
+            freeze(self, "frequency")
 
     def __len__(self) -> int:
         return len(self.values)
@@ -371,8 +366,7 @@ class Levels:
     driven: float
 
     def __post_init__(self) -> None:
-        for name in ("amplitude", "share"):
-            object.__setattr__(self, name, frozen(getattr(self, name), (6,), name))
+        freeze(self, amplitude=(6,), share=(6,))
 
 
 def levels(recorded: Recording, table: ChannelTable) -> Levels | None:

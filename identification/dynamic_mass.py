@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import BadInput, CheckFailed
-from geometry.frames import Array, frozen
+from geometry.frames import Array, freeze
 from identification.base_motion import DrivenMotions, RunNoise
 
 
@@ -124,8 +124,7 @@ class CrossMotion:
     text: tuple[str, ...]
 
     def __post_init__(self) -> None:
-        for name in ("cross_motion", "diagonal", "column"):
-            object.__setattr__(self, name, frozen(getattr(self, name), (6,), name))
+        freeze(self, cross_motion=(6,), diagonal=(6,), column=(6,))
 
 
 def cost(load: npt.ArrayLike, motion: npt.ArrayLike, axes: Sequence[str], estimate: Estimate) -> CrossMotion:

@@ -12,7 +12,7 @@ from geometry.article import rectangle
 from geometry.articles.parts import load
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen, rigid_transformation_6
+from geometry.frames import Array, freeze, frozen, rigid_transformation_6
 from geometry.sensors import Place, row
 
 Offsets = Mapping[str, float]
@@ -55,8 +55,7 @@ class Springs:
     of_cells: bool = True
 
     def __post_init__(self) -> None:
-        for name in ("rows", "stiffness"):
-            object.__setattr__(self, name, frozen(getattr(self, name), np.shape(getattr(self, name)), name))
+        freeze(self, "rows", "stiffness")
 
     @property
     def complete(self) -> bool:

@@ -1,7 +1,8 @@
 """`ModalTable`: measured frequencies, damping and shapes of an article with their standard deviations, and its readers."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -68,19 +69,16 @@ class ModalTable:
 
     def __post_init__(self) -> None:
         m, s = len(np.atleast_1d(self.frequency)), len(self.sensors)
-        freeze(self, frequency=(m,), frequency_deviation=(m,))
-        stated = {"before": (m, 2), "shapes_deviation": (m, s)}
-        for name, shape in {**dict.fromkeys(("damping_ratio", "damping_deviation", "since"), (m,)), **stated}.items():
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+        stated = {"damping_ratio": (m,), "damping_deviation": (m,), "since": (m,), "before": (m, 2), "shapes_deviation": (m, s)}
+        stated = {name: shape for name, shape in stated.items() if getattr(self, name) is not None}
+        freeze(self, frequency=(m,), frequency_deviation=(m,), **stated)
         if not np.all(self.frequency > 0) or not np.all(self.frequency_deviation > 0):
             raise ValueError("`frequency` and `frequency_deviation` must be positive")
         if self.shapes is not None:
             shapes = np.array(self.shapes)
             if shapes.shape != (m, s) or not np.all(np.isfinite(shapes)) or not np.all(np.any(shapes != 0, axis=1)):
                 raise ValueError(f"`shapes` must be finite, (m, s) = ({m}, {s}), none of them zero, found {shapes.shape}")
-            shapes.setflags(write=False)
-            object.__setattr__(self, "shapes", shapes)
+            object.__setattr__(self, "shapes", frozen(shapes, (m, s), "shapes", shapes.dtype.type))
         object.__setattr__(self, "names", self.names or tuple(f"mode {k + 1}" for k in range(m)))
 
     def of_modes(self, kept: Sequence[int]) -> "ModalTable":
@@ -443,6 +441,39 @@ def mac(one: npt.ArrayLike, other: npt.ArrayLike) -> Array:
     sizes = np.outer(np.sum(np.abs(a) ** 2, axis=1), np.sum(np.abs(b) ** 2, axis=1))
     return np.asarray(np.divide(across, sizes, out=np.zeros_like(across), where=sizes > 0))
 
+
+def alike(frequency: npt.ArrayLike, deviation: npt.ArrayLike) -> tuple[list[int], ...]:
+    """Groups of modes (m,) [Hz] that lie closer to a next one than both are known: any mix of them may be measured."""
+    f, sd = np.asarray(frequency, dtype=np.float64), np.broadcast_to(deviation, np.shape(frequency))
+    order = np.argsort(f, kind="stable")
+    apart = np.diff(f[order]) > np.hypot(sd[order][1:], sd[order][:-1])
+    groups = np.split(order, np.flatnonzero(apart) + 1)
+    return tuple(group.tolist() for group in groups if len(group) > 1)
+
+
+def mixes(measured: npt.ArrayLike, shapes: npt.ArrayLike, groups: Sequence[Sequence[int]]) -> Iterator[tuple[list[int], Array]]:
+    """Each of `groups` (g,) with the (g, g) that makes of their `shapes` (m, s) those nearest to the ones `measured` (m, s).
+
+    As most sensors say it: of all mixes by all sensors but none, one or two that of the least median deviation (P. J. Rousseeuw,
+    Least median of squares regression, Journal of the American Statistical Association 79, 1984).
+    """
+    y, p = np.asarray(measured), np.asarray(shapes)
+    every = range(p.shape[1])
+    for group in map(list, groups):
+        made, best = np.eye(len(group)), np.inf
+        for left_out in ((), *combinations(every, 1), *(combinations(every, 2) if len(every) <= MOST_LEFT_OUT else ())):
+            kept = np.setdiff1d(every, left_out)
+            if len(kept) <= len(group):
+                continue
+            T = np.linalg.lstsq(p[group][:, kept].T, y[group][:, kept].T, rcond=None)[0].T
+            off = float(np.median(np.sum(np.abs(y[group] - T @ p[group]) ** 2, axis=0)))
+            if off < best:
+                made, best = T, off
+        yield group, made
+
+
+MOST_LEFT_OUT = 24
+"""[count] of sensors up to which two at a time are left out of a mix; cost only. By definition."""
 
 FAR = 0.3
 """[log] Difference of two frequencies that counts as much against a pair as shapes that have nothing in common."""

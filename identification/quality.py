@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from geometry.frames import Array, Pose, frozen
+from geometry.frames import Array, Pose, freeze
 from geometry.inertia import PARAMETERS, Inertia, judge
 from identification.request import QUANTITIES, Identified, jacobian, quantities, scale
 
@@ -72,8 +72,7 @@ class Quality:
     bootstrap: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for name, shape in {"values": (10,), "covariance": (10, 10), "intervals": (10, 2)}.items():
-            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+        freeze(self, values=(10,), covariance=(10, 10), intervals=(10, 2))
 
     @property
     def mass(self) -> float:

@@ -87,11 +87,7 @@ class ResponseFunctions:
     def __post_init__(self) -> None:
         freeze(self, "frequency")
         shape = (len(self.drives), len(self.frequency), len(self.responses))
-        values = np.array(self.values, dtype=np.complex128)
-        if values.shape != shape or not np.all(np.isfinite(values)):
-            raise ValueError(f"`values` must be finite and have shape {shape}, found {values.shape}")
-        values.setflags(write=False)
-        object.__setattr__(self, "values", values)
+        object.__setattr__(self, "values", frozen(self.values, shape, "values", np.complex128))
         if self.coherence is not None:
             object.__setattr__(self, "coherence", frozen(self.coherence, shape, "coherence"))
         for what, points in (("drives", self.drives), ("responses", self.responses)):

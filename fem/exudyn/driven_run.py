@@ -13,7 +13,7 @@ from fem.base_excitation import response
 from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.response import Response, require_fine
 from fem.base_excitation.rig import LATERAL, TABLE, Flange, FlexibleBody, Friction, LoadCell, Rig, Strut, matrices, require_usable
-from fem.exudyn.run import exudyn_version, failed, finite, integrated, running, to_exudyn
+from fem.exudyn.run import TOLD, Progress, exudyn_version, failed, finite, integrated, running, to_exudyn
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 
@@ -199,12 +199,6 @@ def cell(scene: Scene, table: Rigid, cover: Rigid, one: LoadCell) -> Number:
 # whatever is raised there is kept and raised again once exudyn has stopped: exudyn itself would make an error of its own of it.
 #
 # Between two samples the motion is the polynomial of fifth degree that has displacement, velocity and acceleration of both.
-
-Progress = Callable[[float], None]
-"""Called with the share done, 0 to 1; what it raises ends the run."""
-
-TOLD = 200
-"""Times in a run that progress is told."""
 
 
 class Drive:

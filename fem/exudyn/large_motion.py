@@ -13,9 +13,9 @@ from fem.beam import articles
 from fem.beam.elements import Sandwich
 from fem.beam.frame import Body, Member, Plan, inertia, placed
 from fem.exudyn import driven_run, frame
-from fem.exudyn.driven_run import Drive, Number, Progress, Scene, Solver, recorded, targets, watch_node, watch_object
+from fem.exudyn.driven_run import Drive, Number, Scene, Solver, recorded, targets, watch_node, watch_object
 from fem.exudyn.frame import viscous
-from fem.exudyn.run import failed, finite, kept, running
+from fem.exudyn.run import Progress, failed, finite, kept, running
 from geometry.articles import built_in
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen

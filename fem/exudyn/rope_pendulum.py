@@ -11,7 +11,7 @@ It starts in the pose that the statics of the same ropes finds: at rest with the
 velocities of the small twist, so large that it swings as far. In both the velocities agree with the constraints.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 from types import MappingProxyType
@@ -21,7 +21,7 @@ import numpy as np
 
 from fem.exudyn import rope_statics
 from fem.exudyn.rope_statics import VERTICAL, Pose, Ropework, Suspension, at_rest, refused, require_positive, ropework
-from fem.exudyn.run import exudyn_version, failed, finite, integrated, running, to_exudyn
+from fem.exudyn.run import TOLD, Progress, exudyn_version, failed, finite, integrated, running, to_exudyn
 from geometry.errors import CheckFailed
 from geometry.frames import Array, freeze
 from geometry.inertia import Inertia
@@ -215,12 +215,6 @@ def swings(work: Ropework, pose: Pose) -> Swings:
 #
 # Before every step exudyn calls back. What is raised there is kept and raised again once exudyn has stopped: exudyn itself would
 # make an error of its own of it.
-
-Progress = Callable[[float], None]
-"""Called with the share done, 0 to 1; what it raises ends the run."""
-
-TOLD = 200
-"""Times in a run that progress is told."""
 
 
 class Watch:

@@ -34,6 +34,13 @@ ExudynInertia = Any
 """An `exudyn.rigidBodyUtilities.RigidBodyInertia`; the library has no types of its own."""
 
 
+Progress = Callable[[float], None]
+"""Called with the share done, 0 to 1; what it raises ends the run."""
+
+TOLD = 200
+"""Times in a run that progress is told."""
+
+
 @contextmanager
 def quiet() -> Iterator[Any]:
     """The exudyn module with its console output held back, restored at the end."""

@@ -47,7 +47,7 @@ HUB = "all@"
 """With which the name of a joint begins that is between a node and all members that meet there."""
 
 WEIGHTLESS = 1e-9
-"""[kg/m³] By which no member bows: what its own mass does between its ends is `elements`' to say, and no tolerance of a fit."""
+"""[kg/m³] Of members without a density, by which none bows between its ends."""
 
 STIFF = 1e4
 """[1] Of the member's own: an end this stiff is clamped to four digits of a frequency, and what it gives more shows at once."""
@@ -159,7 +159,7 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
     moments = (thickness**3 * width / 12, width**3 * thickness / 12, elements.rectangle_torsion(width, thickness))
     profile = Profile(
         sizes=tuple(count * size for size in (width * thickness, *moments)),
-        material=replace(material, density=WEIGHTLESS),
+        material=material,
         shear=2 * (elements.cowper_rectangle(material.poisson_ratio or 0.0),),
     )
     reach = max(width, thickness) / 2
@@ -277,4 +277,4 @@ def _material(value: Any, source: str, where: str) -> tuple[article.Material, bo
         value = table[key]
         bare = dimension == "ratio" and toml_file.is_number(value)
         sizes[key] = float(value) if bare else _size(value, dimension, source, f"{where}.{key}")
-    return article.Material(name=source, **({"density": 1.0} | sizes)), "density" in table
+    return article.Material(name=source, **({"density": WEIGHTLESS} | sizes)), "density" in table

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.errors import BadInput
-from geometry.frames import Array, Integers, frozen
+from geometry.frames import Array, Integers, freeze
 from geometry.inertia import Inertia
 from identification.elastic import model
 from identification.elastic.model import SCALE, UPPER, ElasticLayout, ElasticTerms
@@ -528,9 +528,7 @@ class Fitted:
     information: Array
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "parameters", frozen(self.parameters, (10,), "parameters"))
-        object.__setattr__(self, "covariance", frozen(self.covariance, (10, 10), "covariance"))
-        object.__setattr__(self, "residual", frozen(self.residual, (6, 6), "residual"))
+        freeze(self, parameters=(10,), covariance=(10, 10), residual=(6, 6))
 
     @property
     def inertia(self) -> Inertia:

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
-from geometry.frames import Array, Integers, frozen
+from geometry.frames import Array, Integers, freeze
 from geometry.inertia import PARAMETERS, Inertia
 
 # `ElasticTerms`: what elasticity adds to the rigid mass matrix, in the form of Eq. 8b with poles that all 36 entries share.
@@ -47,8 +47,7 @@ class ElasticTerms:
 
     def __post_init__(self) -> None:
         m = len(self.frequency)
-        for name, shape in {"frequency": (m,), "damping": (m, m), "participation": (m, 6), "residual": (6, 6)}.items():
-            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+        freeze(self, frequency=(m,), damping=(m, m), participation=(m, 6), residual=(6, 6))
 
     @property
     def damping_ratio(self) -> Array:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen
+from geometry.frames import Array, freeze, frozen
 from geometry.inertia import PARAMETERS, Inertia
 from identification import request
 from identification.chain import Chain, chain
@@ -52,8 +52,7 @@ class Block:
 
     def __post_init__(self) -> None:
         k, p = len(self.names), len(self.families)
-        for name, shape in {"start": (k,), "rows": (p, k), "values": (p,)}.items():
-            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+        freeze(self, start=(k,), rows=(p, k), values=(p,))
 
     def __len__(self) -> int:
         return len(self.names)

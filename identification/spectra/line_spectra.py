@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen
+from geometry.frames import Array, freeze, frozen
 from geometry.sensors import ChannelTable
 
 
@@ -45,14 +45,8 @@ class Spectra:
 
     def __post_init__(self) -> None:
         shape = (len(self.runs), len(self.frequency), len(self.table))
-        object.__setattr__(self, "frequency", frozen(self.frequency, shape[1:2], "frequency"))
-        object.__setattr__(self, "noise", frozen(self.noise, shape, "noise"))
-        object.__setattr__(self, "quality", frozen(self.quality, shape[:2], "quality"))
-        values = np.array(self.values, dtype=np.complex128)
-        if values.shape != shape or not np.all(np.isfinite(values)):
-            raise ValueError(f"`values` must be finite and have shape {shape}, found {values.shape}")
-        values.setflags(write=False)
-        object.__setattr__(self, "values", values)
+        freeze(self, frequency=shape[1:2], noise=shape, quality=shape[:2])
+        object.__setattr__(self, "values", frozen(self.values, shape, "values", np.complex128))
 
     def at(self, lines: npt.ArrayLike) -> "Spectra":
         """The same on some of the lines alone, (n,) bool or their indices."""

@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from fem.exudyn.rope_pendulum import Progress, Swing, small_period, swing
+from fem.exudyn.rope_pendulum import Swing, small_period, swing
 from fem.exudyn.rope_statics import Suspension, hung, lying, on_three_ropes, on_two_ropes, require_positive
+from fem.exudyn.run import Progress
 from geometry.atomic import write_text
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
 from identification.files.files import Samples
-from identification.modal_table import ModalTable, mac
+from identification.modal_table import ModalTable, mac, mixes
 from validation.estimation.problem import Offsets, Prediction
 from validation.flexible.model import family
 from validation.model.model import Added
@@ -125,20 +125,33 @@ def modal(test: TableFrequencies | TableShapes, offsets: Offsets) -> ModalCorrel
     meshes = [moved[one.name].squares * one.tolerance for one in test.structure.parameters if one.family == "mesh"]
     allowed = np.zeros(len(test.table.frequency))
     allowed[list(test.modes)] = np.sqrt(np.sum(np.square(meshes), axis=0)) / (2 * modes.squares[list(of)])
-    return of_modes(modes, test.table, allowed, test.effects)
+    return of_modes(modes, test.table, allowed, test.effects, test.together)
 
 
-def of_modes(modes: RealModes, table: ModalTable, allowed: npt.ArrayLike = 0.0, added: Sequence[Added] = ()) -> ModalCorrelation:
+def of_modes(
+    modes: RealModes,
+    table: ModalTable,
+    allowed: npt.ArrayLike = 0.0,
+    added: Sequence[Added] = (),
+    together: Sequence[list[int]] = (),
+) -> ModalCorrelation:
     """`table` beside the `modes` of a model, whose frequencies its mesh leaves `allowed` (m,) unsure, one sd as a share, and
-    whose effects are `added`."""
-    of, f = partners(modes, table, added), modes.frequency
+    whose effects are `added`. Of modes `together` in frequency, each of which is any mix of them, the mix nearest to the test
+    counts, in the order of the frequencies."""
+    of, f = np.array(partners(modes, table, added)), modes.frequency
+    for group in together:
+        of[np.array(group)[np.argsort(table.frequency[group])]] = np.sort(of[group])
+    of = of.tolist()
     low, high = table.frequency.min() / BEYOND, table.frequency.max() * BEYOND
     looked = tuple(sorted({*of, *(int(k) for k in np.flatnonzero((f > low) & (f < high)))}))
     inside = [k for k in looked if table.frequency.min() <= f[k] <= table.frequency.max() and k not in of]
     matrix, crossed, by_sensor = np.zeros((0, 0)), np.zeros((0, 0)), {}
     read = seen_of = np.zeros((0, 0))
     if table.shapes is not None:
-        shapes = (seen(modes.matrices, table) @ modes.shapes).T
+        shapes = (seen(modes.matrices, table) @ modes.shapes).T.astype(table.shapes.dtype)
+        for group, mix in mixes(table.shapes, shapes[of], together):
+            u, _, v = np.linalg.svd(mix / np.maximum(np.linalg.norm(mix, axis=1, keepdims=True), 1e-300))  # turned alone
+            shapes[[of[k] for k in group]] = u @ v @ shapes[[of[k] for k in group]]
         read, seen_of = table.shapes, shapes[list(looked)]
         matrix, crossed = mac(read, seen_of), cross_orthogonality(read, seen_of)
         names = [point.name for point in table.sensors]
@@ -187,8 +200,8 @@ def _remarks(pairs: Sequence[ModePair], missing: Sequence[int], due: Array) -> t
     sd, worst = max(((abs(one.percent) / (100 * of), one) for one, of in zip(pairs, due, strict=True)), key=lambda each: each[0])
     if green and sd > FAR:
         said.append(
-            f"every MAC is {GREEN:g} or more, and the model is wrong: {worst.measured} is {worst.percent:+.2g} % off, "
-            f"{sd:.0f} standard deviations; MAC does not see frequencies"
+            f"every MAC is {GREEN:g} or more, and the model is wrong: before any fit {worst.measured} is {worst.percent:+.2g} % "
+            f"off, {sd:.0f} standard deviations of test and mesh; MAC does not see frequencies"
         )
     poor = [one.measured for one in known if one.mac is not None and one.mac < GREEN]
     if poor:

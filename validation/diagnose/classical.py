@@ -9,7 +9,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen
+from geometry.frames import Array, freeze
 from geometry.inertia import PARAMETERS
 from geometry.toml_file import nearest
 from identification.quality import NORMAL_95
@@ -189,8 +189,7 @@ class ObservedFacts:
 
     def __post_init__(self) -> None:
         n = len(self.facts)
-        object.__setattr__(self, "left", frozen(self.left, (n,), "left"))
-        object.__setattr__(self, "covariance", frozen(self.covariance, (n, n), "covariance"))
+        freeze(self, left=(n,), covariance=(n, n))
 
     @property
     def precision(self) -> Array:

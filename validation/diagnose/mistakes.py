@@ -23,7 +23,7 @@ from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.errors import CheckFailed
 from geometry.frames import Array
 from identification.consistency import candidates
-from identification.modal_table import mac
+from identification.modal_table import mac, mixes
 from identification.quality import NORMAL_90
 from validation.diagnose.diagnosis import Cause, EffectEstimate
 from validation.effects.catalogue import Named
@@ -340,7 +340,11 @@ def mistakes(data: Study) -> tuple[Cause, ...]:
                         evidence_nats={one.name: source.gain, other.name: right - wrong},
                     )
     taken = _of_accelerometers(taken, every[0], known)
-    # Signs of sensors, then plugs, then units of the files
+    return tuple(_told(taken, channels))
+
+
+def _told(taken: Sequence[ChannelSource], channels: Sequence[str]) -> list[Cause]:
+    """Signs of sensors, then plugs, then units of the files."""
     causes = [_cause("polarity", (channels[one.plug],), one.gain) for one in taken if one.factor < 0]
     at = list(range(len(taken)))
     for c, each in enumerate(taken):
@@ -348,10 +352,8 @@ def mistakes(data: Study) -> tuple[Cause, ...]:
             swapped = at.index(each.plug)
             at[c], at[swapped] = at[swapped], at[c]
             causes.append(_cause("channel-swap", (channels[c], channels[swapped]), each.gain + taken[swapped].gain))
-    for each in taken:
-        if (value := abs(each.factor)) != 1:
-            causes.append(_unit_cause(channels[each.channel], value, each.units, each.gain))
-    return tuple(causes)
+    wrong = (each for each in taken if abs(each.factor) != 1)
+    return causes + [_unit_cause(channels[one.channel], abs(one.factor), one.units, one.gain) for one in wrong]
 
 
 def _sources(every: Sequence[LowFrequencyReadings], known: Sequence[_KnownFactors]) -> tuple[ChannelSource, ...]:
@@ -517,11 +519,12 @@ def _of_shapes(one: TableShapes, units: Mapping[str, Mapping[str, float]]) -> li
     y, noise = one.measured.values[:, 0], one.measured.noise[:, 0]
     causes, least = list[Cause](), np.inf
     for of in (one, replace(one, table=replace(one.table, shapes=None))):
-        found = _of_channels(of, y, noise, units, lambda paired: paired.at({}))
+        found = _of_channels(of, y, noise, units, lambda paired: paired.at({}), together=of.together)
         acting = (*one.effects, *(Added(named=cause.named, fixed=True) for cause in found))
-        rows = one.with_effects(acting).at({}, derivatives=False).rows[:, 0, :, 0]
-        alike = np.array([mac(a, b).item() for a, b in zip(y, rows, strict=True)])
-        left = float(np.sum(1 - alike))
+        rows = np.array(one.with_effects(acting).at({}, derivatives=False).rows[:, 0, :, 0])
+        for group, mix in mixes(y, rows, of.together):
+            rows[group] = mix @ rows[group]
+        left = float(np.sum(1 - np.array([mac(a, b).item() for a, b in zip(y, rows, strict=True)])))
         if left < least / 2:
             causes, least = found, left
     return causes
@@ -584,19 +587,22 @@ def _of_functions(one: ResponseFunctionTest, units: Mapping[str, Mapping[str, fl
     return causes
 
 
-def tolerated(due: Predicted, parameters: Sequence[Parameter]) -> Array:
-    """(r, n, c) [sd] by how much tolerances may change what channels should read, but for the factor that all of a line share.
+def tolerated(due: Predicted, parameters: Sequence[Parameter], together: Sequence[Sequence[int]] = ()) -> Array:
+    """(r, n, c) [sd] by how much tolerances may change what channels should read, but for the factor that all of a line share,
+    and for what modes `together`, in rows of one line, are mixed by.
 
     What a channel reads by its slant alone, or where parts that should be alike are not, tells nothing of its sign or unit.
     """
     p = due.rows[..., 0]
     own = p / np.maximum(np.linalg.norm(p, axis=-1, keepdims=True), TINY)
-    square = np.zeros(p.shape)
+    square, spans = np.zeros(p.shape), [(list(group), np.linalg.qr(p[group, 0].T)[0]) for group in map(list, together)]
     for one in parameters:
         if one.name in due.changes and np.isfinite(one.tolerance):
             change, moved = due.changes[one.name], np.zeros_like(p)
             moved[..., list(change.channels)] = one.tolerance * change.rows[..., 0]
             moved -= own * np.sum(moved * own.conj(), axis=-1, keepdims=True)
+            for group, span in spans:
+                moved[group, 0] -= moved[group, 0] @ span.conj() @ span.T
             square += np.abs(moved) ** 2
     return np.asarray(np.sqrt(square))
 
@@ -660,16 +666,22 @@ def _of_channels(
     units: Mapping[str, Mapping[str, float]],
     read: Callable[[Any], Predicted],
     independent: int = INDEPENDENT,
+    together: Sequence[list[int]] = (),
 ) -> list[Cause]:
     """Mistakes of single channels in readings y (m, c), of which `read` says what a model expects of them; so many of m are
-    `independent`."""
+    `independent`, and those `together` may be any mix of what is expected of them."""
     c, names = y.shape[1], one.measured.channels
     if c < FEWEST_CHANNELS:
         return []
 
+    stated = y
+
     def expected(of: ResponseFunctionTest | TableShapes) -> tuple[ComplexArray, Array]:
         due = read(of)
-        return due.rows[..., 0].reshape(-1, c), tolerated(due, of.parameters).reshape(-1, c)
+        p, unsure = np.array(due.rows[..., 0]).reshape(-1, c), tolerated(due, of.parameters, together).reshape(-1, c)
+        for group, mix in mixes(stated, p, together):
+            p[group], unsure[group] = mix @ p[group], np.sqrt(np.abs(mix) ** 2 @ unsure[group] ** 2)
+        return p, unsure
 
     p, unsure = expected(one)
     size = np.sqrt(np.mean(np.abs(p) ** 2, axis=1, keepdims=True))
@@ -692,16 +704,7 @@ def _of_channels(
     )
     known = (_units_of(units["acceleration"], either=True),) * c
     taken = _sources([readings], known)
-    causes = [_cause("polarity", (names[each.plug],), each.gain) for each in taken if each.factor < 0]
-    at = list(range(c))
-    for k, each in enumerate(taken):
-        if at[k] != each.plug:
-            swapped = at.index(each.plug)
-            at[k], at[swapped] = at[swapped], at[k]
-            causes.append(_cause("channel-swap", (names[k], names[swapped]), each.gain + taken[swapped].gain))
-    causes += [
-        _unit_cause(names[each.channel], abs(each.factor), each.units, each.gain) for each in taken if abs(each.factor) != 1
-    ]
+    causes = _told(taken, names)
     distances = [each.distance([readings]) for each in taken]
     # By what the others read, the model must be right: channels that hardly move agree with anything
     squares, agree = np.mean(np.abs(p) ** 2, axis=0), np.array(distances) < NEAR

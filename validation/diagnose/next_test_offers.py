@@ -651,8 +651,8 @@ def menu(templates: Sequence[Template], effects: Sequence[Added], facts: Sequenc
         )
     # A slow sweep below what was driven, one above of what has modes, and half the level where an explanation asks for it
     swept = [(of, "lower", "slow sweep", np.arange(LOWEST, of.frequency[0] - FINER / 2, FINER)) for of in templates]
-    for of in (one for one in templates if one.tested.carried.standing.modes):
-        swept.append((of, "higher", "sweep", np.arange(of.frequency[-1] + SPACING, HIGHEST + SPACING / 2, SPACING)))
+    more = (one for one in templates if one.tested.carried.standing.modes)
+    swept += [(of, "higher", "sweep", np.arange(of.frequency[-1] + SPACING, HIGHEST + SPACING / 2, SPACING)) for of in more]
     for of, kind, sweep, lines in swept:
         if len(lines):
             low, high = (LOWEST, of.frequency[0]) if kind == "lower" else (of.frequency[-1], HIGHEST)

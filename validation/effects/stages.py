@@ -14,7 +14,7 @@ import numpy as np
 from fem.structure import Beside
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen
+from geometry.frames import Array, freeze, frozen
 from validation.effects.effect import AT, Values
 
 NOTHING: Mapping[str, Array] = MappingProxyType({})
@@ -119,9 +119,7 @@ class Matrices:
 
     def __post_init__(self) -> None:
         k = len(self.mass)
-        for name in ("mass", "stiffness", "viscous", "structural"):
-            object.__setattr__(self, name, frozen(getattr(self, name), (k, k), name))
-        object.__setattr__(self, "cog", frozen(self.cog, (3,), "cog"))
+        freeze(self, mass=(k, k), stiffness=(k, k), viscous=(k, k), structural=(k, k), cog=(3,))
         rigid = np.asarray(self.rigid)
         if not rigid.size:
             rigid = np.eye(6, k) if self.base else np.zeros((6, k))

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import CheckFailed
-from geometry.frames import Array, frozen
+from geometry.frames import Array, freeze
 from identification.parameter import Parameter as Parameter
 from identification.self_calibration.solve import smoothed_level
 from validation.output import entry
@@ -98,8 +98,7 @@ class Measured:
     def __post_init__(self) -> None:
         r, n, c = shape = (len(self.runs), len(self.frequency), len(self.channels))
         object.__setattr__(self, "axes", self.axes or ("",) * r)
-        object.__setattr__(self, "frequency", frozen(self.frequency, (n,), "frequency"))
-        object.__setattr__(self, "noise", frozen(self.noise, shape, "noise"))
+        freeze(self, frequency=(n,), noise=shape)
         object.__setattr__(self, "judged", np.array(self.judged, dtype=bool).reshape(c))
 
     @property

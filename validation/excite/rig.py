@@ -16,7 +16,7 @@ from fem.damping import DEFAULT_RATIO
 from geometry.articles import built_in, changes_of
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen, rigid_transformation
+from geometry.frames import Array, freeze, rigid_transformation
 from geometry.inertia import Inertia
 from geometry.toml_file import nearest
 from validation.excite.question import BURST, MULTI, RANDOM, Attached, TableDrive
@@ -296,8 +296,7 @@ class RigModes:
 
     def __post_init__(self) -> None:
         k = np.size(self.frequency)
-        for name, shape in (("frequency", (k,)), ("damping_ratio", (k,)), ("participation", (6, k)), ("rigid_mass", (6, 6))):
-            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+        freeze(self, frequency=(k,), damping_ratio=(k,), participation=(6, k), rigid_mass=(6, 6))
 
 
 def rig_modes(rig: Rig) -> RigModes:

@@ -206,14 +206,8 @@ def peaks(H: DynamicMass, rigid: Array) -> tuple[Peak, ...]:
     for axis in range(6):
         size = np.abs(H.matrix[:, axis, axis])
         for k in find_peaks(np.log10(np.maximum(size, 1e-300)), prominence=PROMINENCE)[0]:
-            found.append(
-                Peak(
-                    axis=axis,
-                    frequency=float(H.frequency[k]),
-                    magnitude=float(size[k]),
-                    amplification=float(size[k] / rigid[axis]) if rigid[axis] > 0 else float("nan"),
-                )
-            )
+            times = float(size[k] / rigid[axis]) if rigid[axis] > 0 else float("nan")
+            found.append(Peak(axis=axis, frequency=float(H.frequency[k]), magnitude=float(size[k]), amplification=times))
     return tuple(found)
 
 

@@ -24,7 +24,7 @@ import numpy as np
 from geometry import toml_file
 from geometry.atomic import write_text, write_with
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen
+from geometry.frames import Array, freeze
 from identification import campaign_file
 from identification.campaign import METHODS
 from identification.quality import NORMAL_95, sizes
@@ -155,8 +155,7 @@ class Body:
     converged: bool = True
 
     def __post_init__(self) -> None:
-        for name in ("values", "deviation", "reference"):
-            object.__setattr__(self, name, frozen(getattr(self, name), (10,), name))
+        freeze(self, values=(10,), deviation=(10,), reference=(10,))
 
     @property
     def half_width(self) -> Array:

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry.dynamic_mass import MOTIONS, ComplexArray
-from geometry.frames import Array, Integers, Pose, frozen, left_jacobian, rigid_transformation_6, rotation_by, skew
+from geometry.frames import Array, Integers, Pose, freeze, left_jacobian, rigid_transformation_6, rotation_by, skew
 from geometry.inertia import PARAMETERS, UNITS, Inertia
 from identification.campaign import Campaign, Excitation, Processing
 from identification.rigid_body import BASIS
@@ -368,8 +368,7 @@ class BaseDrive:
     block: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("amplitude", "nominal"):
-            object.__setattr__(self, name, frozen(getattr(self, name), (6,), name))
+        freeze(self, amplitude=(6,), nominal=(6,))
 
 
 def drives(campaign: Campaign, method: str) -> dict[str, BaseDrive]:

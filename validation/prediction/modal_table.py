@@ -27,7 +27,7 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers
 from geometry.sensors import Point, Tolerances
-from identification.modal_table import HEAVY, SOUND_SHAPE, ModalTable, mac, paired
+from identification.modal_table import HEAVY, SOUND_SHAPE, ModalTable, alike, mac, paired
 from validation.effects.catalogue import FAMILIES, There
 from validation.effects.effect import CHANNEL_STAGE, STRUCTURE_STAGE
 from validation.effects.stages import ChannelResponse, Matrices
@@ -365,6 +365,13 @@ class _TablePart(ABC):
     def by(self, structure: Nuisances) -> Self:
         """The same data by another model of the structure."""
         return replace(self, structure=structure)
+
+    @property
+    def together(self) -> tuple[list[int], ...]:
+        """Runs whose modes in the model lie closer together than test and model know frequencies, before any fit."""
+        modes, of, *_ = self.found({}, derivatives=False)
+        f, known = modes.frequency[list(of)], self.table.frequency_deviation / self.table.frequency
+        return alike(f, f * np.hypot(known[list(self.modes)], self.structure.tolerances.frequency))
 
     @property
     def strangers(self) -> tuple[str, ...]:

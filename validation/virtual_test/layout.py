@@ -17,7 +17,7 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
-from geometry.frames import Array, frozen
+from geometry.frames import Array, freeze, frozen
 from geometry.sensors import Channel, ChannelTable, Place
 
 ALONG = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -161,8 +161,7 @@ class ChainTruth:
         for name in ("position", "angle"):
             vectors = {channel: frozen(value, (3,), f"{name}.{channel}") for channel, value in getattr(self, name).items()}
             object.__setattr__(self, name, MappingProxyType(vectors))
-        for name, shape in (("cell_stiffness", (CELLS, 3)), ("crosstalk", (3, 3)), ("plane_offset", (2,)), ("compliance", (2,))):
-            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+        freeze(self, cell_stiffness=(CELLS, 3), crosstalk=(3, 3), plane_offset=(2,), compliance=(2,))
 
     def more_gain(self, channel: str, value: float) -> "ChainTruth":
         """`channel` reads (1 + `value`) times what it did."""

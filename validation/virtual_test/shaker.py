@@ -22,7 +22,7 @@ from fem.base_excitation.rig import Rig, RigStructure
 from geometry.articles import NAMES, built_in, changes_of, locations
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen, rigid_transformation, rigid_transformation_6, rotation_by
+from geometry.frames import Array, freeze, rigid_transformation, rigid_transformation_6, rotation_by
 from geometry.inertia import Inertia
 from geometry.sensors import Channel
 from geometry.toml_file import nearest
@@ -58,8 +58,7 @@ class Sensors:
     upon: Mapping[int, tuple[str, Array]] = field(default_factory=lambda: MappingProxyType({}))
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "rows", frozen(self.rows, (len(self.delay), WIDTH), "rows"))
-        object.__setattr__(self, "delay", frozen(self.delay, np.shape(self.delay), "delay"))
+        freeze(self, "delay", rows=(len(self.delay), WIDTH))
 
     @classmethod
     def of(cls, layout: Layout, chain: ChainTruth, gravity: float) -> "Sensors":

@@ -95,6 +95,26 @@ def test_a_cantilever_of_more_elements_goes_to_its_closed_form_with_the_fourth_p
     assert off[0] > 6 * off[1] or off[1] < 4e-4  # beyond, shear and the ends that give are all that is left
 
 
+def test_a_member_that_weighs_says_how_far_its_mass_bows_it_between_its_ends() -> None:
+    def portal(elements: int, material: object):
+        nodes = {"a": ["0 m"] * 3, "b": ["2 m", "0 m", "0 m"], "c": ["0 m", "0 m", "1.5 m"], "d": ["2 m", "0 m", "1.5 m"]}
+        members = {"left": ["a", "c"], "right": ["b", "d"], "beam": ["c", "d"]}
+        section = {"width": "40 mm", "thickness": "40 mm", "across": "y", "count": 2}
+        table = {"kind": "frame", "nodes": nodes, "fixed": ["a", "b"], "members": members, "section": section}
+        return frame.structure(table | {"material": material, "masses": {"c": "1 kg"}, "elements": elements}, "portal")
+
+    coarse = portal(2, "steel")
+    modes, true = fixed_base(coarse, 9), fixed_base(portal(12, "steel"), 9)
+    squares = (2 * np.pi * modes.frequency) ** 2
+    told = np.diag(np.sum(list(coarse.elements.unresolved(modes.shapes, squares).values()), axis=0)) / squares
+    off = 1 - (true.frequency / modes.frequency) ** 2
+    assert off.max() > 0.02
+    shown = off > 1e-3
+    assert np.all((off[shown] / told[shown] > 0.8) & (off[shown] / told[shown] < 2))
+    light = portal(2, LIGHT).elements.unresolved(modes.shapes, squares)
+    assert np.max(np.abs(list(light.values()))) < 1e-9 * squares.max()  # what has no mass is exact between its ends
+
+
 def test_it_stands_in_a_file_of_its_own_or_in_a_model_file(tmp_path: Path):
     text = """format = 1
 [fe_model]

@@ -10,12 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from validation.compare.correlation import ModalCorrelation, correlations
 from validation.diagnose.candidate_fits import fit_with, is_significant
 from validation.diagnose.diagnosis import Candidate, Cause
 from validation.diagnose.mistakes import _of_channels, _shared_factor, mistakes
 from validation.effects.catalogue import parse
 from validation.effects.effect import Vocabulary
 from validation.model.model import Added
+from validation.prediction.modal_table import TableShapes
 from validation.study import Study
 from validation.virtual_test import structure_tests
 
@@ -149,6 +151,55 @@ def test_a_mistake_is_named_where_shapes_are_near_each_other(more: str, kind: st
     plan = structure_tests.plan_of(str(model), kind=kind, effects=(text,), seed=1, **given)  # type: ignore[arg-type]
     structure_tests.simulate(plan).fill(tmp_path / "test")
     assert named(Study.open(str(model), [str(tmp_path / "test" / "test.toml")])) == [str(parse(text, ANY))]
+
+
+MAST = """format = 1
+model = { title = "Mast", article = "mast" }
+[fe_model]
+kind = "frame"
+nodes = { foot = "0 m", low = "1 m", mid = "2 m", high = "3 m", top = "4 m" }
+fixed = ["foot"]
+members = { a = ["foot", "low"], b = ["low", "mid"], c = ["mid", "high"], d = ["high", "top"] }
+section = { width = "60 mm", thickness = "60 mm", across = "x" }
+material = "steel"
+[[test]]
+kind = "modal-table"
+article = "mast"
+frequencies = %s
+sensors = %s
+shapes = %s
+shapes_deviation = 0.03
+"""
+
+
+@pytest.mark.parametrize("text", ["", "polarity:mid-x", "channel-swap:high-x:high-y"])
+def test_modes_of_one_frequency_may_be_measured_as_any_mix_of_them(text: str, tmp_path: Path) -> None:
+    """Nothing says which way modes of a square mast go: a wrong sign was unknown, and MAC 0.5 where all was right."""
+    points = [f"{place}:{axis}" for place in ("low", "mid", "high", "top") for axis in "xy"]
+    k = np.arange(1.0, 5.0) / 4
+    bent = [k**2, k**2 * (k - 0.79), k**2 * (k - 0.5) * (k - 0.87)]  # first three shapes of a cantilever, nearly
+    model = tmp_path / "mast.toml"
+
+    def opened(frequencies: list[float], shapes: np.ndarray) -> Study:
+        model.write_text(MAST % (frequencies, str(points).replace("'", '"'), shapes.tolist()), encoding="utf-8")
+        return Study.open(str(model), [])
+
+    straight = np.array([np.kron(one, along) for one in bent for along in np.eye(2)])
+    drawn = opened([3.0, 3.01, 19.0, 19.1, 53.0, 53.2], straight)
+    shapes = next(one for one in drawn.tests if isinstance(one, TableShapes))
+    modes, of, *_ = shapes.found({}, derivatives=False)
+    own, turned = shapes.at({}, derivatives=False).rows[:, 0, :, 0].real, np.array([[0.8, -0.6], [0.6, 0.8]])
+    read = np.vstack([turned @ own[pair : pair + 2] for pair in (0, 2, 4)])
+    at = {"": ([], []), "polarity:mid-x": ([2], [2]), "channel-swap:high-x:high-y": ([4, 5], [5, 4])}[text]
+    read[:, at[0]] = read[:, at[1]] * (-1.0 if text.startswith("polarity") else 1.0)
+    wrong = opened(modes.frequency[list(of)].tolist(), read)
+    assert named(wrong) == [str(parse(one, ANY)) for one in ([text] if text else [])]
+    found = correlations(wrong.tests)[0]
+    assert isinstance(found, ModalCorrelation)
+    assert not found.swapped
+    if not text:
+        assert min(one.mac or 0.0 for one in found.pairs) > 0.999
+        assert not found.remarks
 
 
 @pytest.mark.parametrize(("agrees", "ids"), [(True, ["wrong-place:a:far"]), (False, [])])

@@ -15,7 +15,7 @@ from fem.mesh.places import Elements
 from fem.structure import Structure
 from geometry.atomic import write_with
 from geometry.errors import BadInput
-from geometry.frames import Array, Integers, frozen
+from geometry.frames import Array, Integers, freeze
 from validation.diagnose.diagnosis import FoundNode
 from validation.diagnose.everywhere import MASS, RESONATOR, NodeScores
 from validation.report.charts.spec import FAINT, INK
@@ -51,8 +51,7 @@ class MovingBody:
 
     def __post_init__(self) -> None:
         n = len(self.vertices)
-        object.__setattr__(self, "vertices", frozen(self.vertices, (n, 3), "vertices"))
-        object.__setattr__(self, "displacement", frozen(self.displacement, (n, 3), "displacement"))
+        freeze(self, vertices=(n, 3), displacement=(n, 3))
 
     @property
     def size(self) -> Array:

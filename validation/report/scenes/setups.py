@@ -13,7 +13,7 @@ from fem.exudyn.rope_pendulum import Swing
 from fem.exudyn.rope_statics import turned
 from geometry.articles import built_in, changes_of
 from geometry.errors import BadInput
-from geometry.frames import Array, Integers, Pose, frozen
+from geometry.frames import Array, Integers, Pose, freeze
 from identification.campaign import Campaign
 from validation.classical.swing import Setup, Simulated
 from validation.model.setups import stated
@@ -66,8 +66,7 @@ class DrawnSensor:
     direction: Array
 
     def __post_init__(self) -> None:
-        for name in ("position", "direction"):
-            object.__setattr__(self, name, frozen(getattr(self, name), (3,), name))
+        freeze(self, position=(3,), direction=(3,))
 
 
 def sensor_page(
@@ -244,9 +243,7 @@ class Instant:
     chains: Array
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "place", frozen(self.place, (3,), "place"))
-        object.__setattr__(self, "rotation", frozen(self.rotation, (3, 3), "rotation"))
-        object.__setattr__(self, "chains", frozen(self.chains, (*np.shape(self.chains)[:2], 3), "chains"))
+        freeze(self, place=(3,), rotation=(3, 3), chains=(*np.shape(self.chains)[:2], 3))
 
     def placed(self, body: stage.DrawnBody) -> Array:
         """Vertices of a body of the article."""
