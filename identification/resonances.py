@@ -7,9 +7,6 @@ that has the damping ratio sigma / omega more. What is measured on the axis is b
 
 exact for functions without a pole to the right of the axis, as those of anything that is stable are (P. L. Duren, Theory of H^p
 Spaces, 1970, chapter 11); of a band its part within it. Peaks are broad there, noise is averaged, and a few lines hold all.
-
-Resonances are picked from the second derivative along omega: what a mode at the distance d gives fades with d³ there, where with
-d in H itself, and a force hides none by what is compliant under it.
 """
 
 from dataclasses import dataclass
@@ -75,14 +72,6 @@ def _weights(frequency: Array, at: Array, width: float) -> Array:
     return np.asarray(kernel / kernel.sum(axis=1, keepdims=True))
 
 
-def _curving(frequency: Array, at: Array, width: float) -> Array:
-    """(m, n) of the lines in the second derivative along ln omega, which a constant has none of."""
-    sigma, away = (width * at)[:, None], frequency - at[:, None]
-    plain = _weights(frequency, at, width)
-    kernel = plain * (6 * away**2 - 2 * sigma**2) / (away**2 + sigma**2) ** 2 * at[:, None] ** 2
-    return np.asarray(kernel - kernel.sum(axis=1, keepdims=True) * plain)
-
-
 def resonances(frequency: Array, values: ComplexArray, noise: Array) -> Resonances:
     """Those that accelerances (r, n, c) with standard deviations `noise` (r, n, c) show at the lines `frequency` (n,) [Hz].
 
@@ -92,10 +81,9 @@ def resonances(frequency: Array, values: ComplexArray, noise: Array) -> Resonanc
     from scipy.signal import find_peaks
 
     at = np.geomspace(frequency[0], frequency[-1], max(int(PER_OCTAVE * np.log2(frequency[-1] / frequency[0])), 3))
-    shares = _curving(frequency, at, WIDTH)
-    seen, scatter = np.einsum("mn,rnc->rmc", shares, values), np.einsum("mn,rnc->rmc", shares**2, noise**2)
-    level = 0.5 * np.log(np.sum(np.abs(seen) ** 2, axis=(0, 2)) + np.finfo(np.float64).tiny)
-    clear = level > 0.5 * np.log(np.sum(scatter, axis=(0, 2)) + np.finfo(np.float64).tiny) + np.log(ABOVE_NOISE)
+    seen, scatter = beside_axis(frequency, values, at, WIDTH), noise_beside_axis(frequency, noise, at, WIDTH)
+    level = 0.5 * np.log(np.sum(np.abs(seen) ** 2, axis=(0, 2)))
+    clear = level > 0.5 * np.log(np.sum(scatter**2, axis=(0, 2)) + np.finfo(np.float64).tiny) + np.log(ABOVE_NOISE)
     peaks, _ = find_peaks(level, prominence=np.log(PROMINENT))
     found = []
     for peak in at[peaks[clear[peaks]]]:
