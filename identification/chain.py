@@ -399,6 +399,10 @@ class PickUps(Placed):
             "misalignment": "".join(AXES[k] for k in sorted(np.argsort(-sizes, kind="stable")[:2])),
         }
 
+    def directions(self, x: Offsets) -> dict[str, Array]:
+        """By channel the unit vector (3,) along which it reads."""
+        return {one.name: row[:3] / np.linalg.norm(row[:3]) for one, row in zip(self.channels, self._geometry(x)[0], strict=True)}
+
     def _geometry(self, x: Offsets) -> tuple[Array, Array]:
         """d^T [G(p)] (c, 6), and the vertical component of d (c,), as they are."""
         made = [placed(channel, *self._away(channel, x)) for channel in self.channels]

@@ -36,7 +36,7 @@ from validation.history.add import FIRST_GUESS
 from validation.model.model import Added, Model
 from validation.prediction import classical_facts, dynamic_mass, effects
 from validation.prediction.classical_facts import ArticleFact, require_bodies
-from validation.prediction.dynamic_mass import BaseDrive, SolvedStructure, SupportedDynamicMass, Tangents
+from validation.prediction.dynamic_mass import BaseDrive, SupportedDynamicMass, Tangents
 from validation.prediction.series import SeriesPrediction
 from validation.prediction.structure_tests import StructurePrediction
 from validation.report.effects import examples
@@ -129,7 +129,7 @@ class Remembering:
     def __init__(self, of: SupportedDynamicMass) -> None:
         self._of = of
         own = () if of.nuisances is None else of.nuisances.parameters
-        self._names = (*(one.name for one in (*own, *of.mounted)), *dynamic_mass.names())
+        self._names = (*(one.name for one in (*own, *of.mounted)), *dynamic_mass.NAMES)
         self._known: OrderedDict[Hashable, ComplexArray] = OrderedDict()
         self._changing = Lock()
 
@@ -137,18 +137,11 @@ class Remembering:
         return getattr(self._of, name)
 
     def at(
-        self,
-        offsets: Offsets,
-        effects: Sequence[Added],
-        frequency: Array,
-        drive: BaseDrive,
-        *,
-        derivatives: bool,
-        solved: SolvedStructure | None = None,
+        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive, *, derivatives: bool, **more: Any
     ) -> tuple[ComplexArray, Tangents]:
-        """As `Carried.at`; derivatives, and what was solved already, are not remembered."""
-        if derivatives or solved is not None:
-            return self._of.at(offsets, effects, frequency, drive, derivatives=derivatives, solved=solved)
+        """As `Carried.at`; derivatives, what was solved already and accelerometers on the article are not remembered."""
+        if derivatives or any(more.values()):
+            return self._of.at(offsets, effects, frequency, drive, derivatives=derivatives, **more)
         key = self._key(offsets, effects, frequency, drive)
         with self._changing:
             found = self._known.pop(key, None)

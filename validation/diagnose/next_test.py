@@ -454,10 +454,7 @@ def advised(data: Study, rivals: Sequence[Candidate], progress: Progress | None 
     useful = _kept(sorted(looked, key=lambda one: one.rank), first, others, lambda share: tell(LOOKING + (1 - LOOKING) * share))
     found = tuple(
         Advice(
-            test=one.offer.words,
-            gain=one.gain,
-            separates=(names[0], *(names[1 + k] for k in one.apart)),
-            hours=one.offer.hours,
+            test=one.offer.words, gain=one.gain, separates=(names[0], *(names[1 + k] for k in one.apart)), hours=one.offer.hours
         )
         for one in useful
         if one.apart

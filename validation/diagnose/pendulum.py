@@ -187,11 +187,7 @@ def only_classical(
         chi2=verdict.chi2,
         measurements=len(of.facts),
         remarks=tuple(remarks),
-        settings={
-            "threshold_nats": EVIDENCE_THRESHOLD,
-            "class_nats": INDISTINGUISHABLE_NATS,
-            "misfit_probability": UNLIKELY,
-        },
+        settings={"threshold_nats": EVIDENCE_THRESHOLD, "class_nats": INDISTINGUISHABLE_NATS, "misfit_probability": UNLIKELY},
     )
 
 

@@ -9,8 +9,9 @@ because H is stationary in the answer (Fox & Kapoor, AIAA Journal 6, 1968, for e
 and none of the solution itself. Likewise an accelerance A = phi_r^T D^-1 phi_d, with dA = -(D^-1 phi_r)^T dD (D^-1 phi_d).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -26,38 +27,13 @@ from validation.estimation.problem import IDENTIFIED, Offsets, Parameter, Wanted
 from validation.model.model import Added
 from validation.model.tolerance_classes import MountingTolerances
 from validation.prediction import effects as prediction_effects
+from validation.prediction import tangents as of_matrices
 from validation.prediction.effects import Nuisances
 from validation.prediction.mounting import MountedArticle
-from validation.prediction.tangents import FIELDS, LOSS_COUPLING, Tangent, full, with_damping_law, with_losses_by_mode
+from validation.prediction.tangents import FIELDS, LOSS_COUPLING, CondensedTransfer, Tangent, full, transfer_tangents, turning
 
 ENTRIES = 1 << 17
 """[count] of entries of the matrices of as many lines as are solved at once: 2 MB, which stay in a cache."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class CondensedTransfer:
-    """Transfer at every line, and the answers of all coordinates that its derivatives are made of.
-
-    Attributes
-    ----------
-    frequency : (n,) [Hz]
-    matrix : (n, r, d) complex: dynamic mass (n, 6, 6) about the article's origin, or accelerance [1/kg]
-    left, right : (k, n, r), (k, n, d), by coordinate: d matrix = sign * left^T dD right
-    sign : +1 of a dynamic mass, -1 of an accelerance
-    decay_rate : [1/s] by which the axis is moved, see `accelerance`
-    """
-
-    frequency: Array
-    matrix: ComplexArray
-    left: ComplexArray
-    right: ComplexArray
-    sign: float
-    decay_rate: float | Array = 0.0
-
-    @property
-    def omega(self) -> npt.NDArray[Any]:
-        """(n,) [rad/s], s / i of every line."""
-        return turning(self.frequency, self.decay_rate)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -79,8 +55,10 @@ Finite = Callable[[Array], Callable[[Array, Array], ComplexArray]]
 both, at a place that coordinates move by `row` (3, k)."""
 
 
-def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> CondensedTransfer:
+def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike, rows: Array | None = None) -> CondensedTransfer:
     """Blocked dynamic mass (n, 6, 6) about the article's origin at `frequency` (n,) [Hz], above zero.
+
+    With `rows` (p, k) of what each coordinate moves places, derivatives are those of their accelerations, too, behind its own.
 
     Raises
     ------
@@ -88,17 +66,22 @@ def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> CondensedTrans
     """
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     b, k, omega = matrices.base, len(matrices.mass), 2 * np.pi * lines
-    far, follow = far_coordinates(matrices, omega)
+    loads = np.zeros((k, 0)) if rows is None else rows.T
+    far, follow, beside = far_coordinates(matrices, omega, loads)
     near = np.delete(np.arange(k), far)
     D = dynamic_matrix(matrices, omega, near)
     if len(far):
         D = D[:, :, near] + D[:, :, far] @ follow
-    moved = np.empty((len(lines), len(near), b), dtype=np.complex128)
-    moved[:, :b] = np.eye(b)
-    moved[:, b:] = -np.linalg.solve(D[:, b:, b:], D[:, b:, :b])
-    T = np.empty((k, len(lines), b), dtype=np.complex128)
+    pulled = np.broadcast_to(loads[near], (len(lines), *loads[near].shape)) + follow.swapaxes(1, 2) @ loads[far]
+    moved = np.zeros((len(lines), len(near), b + loads.shape[1]), dtype=np.complex128)
+    moved[:, :b, :b] = np.eye(b)
+    moved[:, b:] = np.linalg.solve(D[:, b:, b:], np.concatenate([-D[:, b:, :b], pulled[:, b:]], axis=2))
+    T = np.empty((k, len(lines), moved.shape[2]), dtype=np.complex128)
     T[near], T[far] = moved.transpose(1, 0, 2), (follow @ moved).transpose(1, 0, 2)
-    return CondensedTransfer(frequency=lines, matrix=D[:, :b] @ moved, left=T, right=T, sign=1.0)
+    T[far, :, b:] += beside.transpose(1, 0, 2)
+    right = np.ascontiguousarray(T[:, :, :b])
+    left = right if rows is None else np.concatenate([right, -T[:, :, b:]], axis=2)
+    return CondensedTransfer(frequency=lines, matrix=D[:, :b] @ moved[:, :, :b], left=left, right=right, sign=1.0)
 
 
 FAR = 2.0
@@ -113,23 +96,30 @@ AGREES = 1e-11
 not, all coordinates are solved at every line. Held by test_matrices.py."""
 
 
-def far_coordinates(matrices: Matrices, at: npt.NDArray[Any]) -> tuple[Integers, ComplexArray]:
-    """(f,) coordinates that follow the others without a resonance near the band, and (n, f, k - f) how at s / i (n,) [rad/s].
+def far_coordinates(
+    matrices: Matrices, at: npt.NDArray[Any], loads: Array | None = None
+) -> tuple[Integers, ComplexArray, ComplexArray]:
+    """(f,) coordinates that follow the others without a resonance near the band, (n, f, k - f) how at s / i (n,) [rad/s], and
+    (n, f, p) how they answer to `loads` (k, p) where the others are held.
 
     Held by all others they are analytic in omega, -D_ff^-1 D_fr, but for their resonances far above: polynomials through
     Chebyshev's points converge as fast as those lie beyond the band (L. N. Trefethen, Approximation Theory and Approximation
     Practice, 2013, theorem 8.2). None where few lines are asked, of different axes, or where the polynomials do not agree.
     """
     b, k, last = matrices.base, len(matrices.mass), int(np.argmax(at.real))
+    loads = np.zeros((k, 0)) if loads is None else loads
     far = b + np.flatnonzero(np.diag(matrices.stiffness)[b:] > (FAR * at[last].real) ** 2 * np.diag(matrices.mass)[b:])
-    none = far[:0], np.zeros((len(at), 0, k), dtype=np.complex128)
+    none = far[:0], np.zeros((len(at), 0, k), dtype=np.complex128), np.zeros((len(at), 0, loads.shape[1]), dtype=np.complex128)
     if len(at) < 3 * NODES or not len(far) or not np.ptp(at.real) or np.ptp(at.imag):
         return none
     nodes, share = _chebyshev(at)
-    D = dynamic_matrix(matrices, np.append(nodes, at[last]), far)
-    solved = -np.linalg.solve(D[:, :, far], D[:, :, np.delete(np.arange(k), far)])
+    D, r = dynamic_matrix(matrices, np.append(nodes, at[last]), far), k - len(far)
+    pulled = np.broadcast_to(loads[far], (len(D), len(far), loads.shape[1]))
+    solved = np.linalg.solve(D[:, :, far], np.concatenate([-D[:, :, np.delete(np.arange(k), far)], pulled], axis=2))
     found = (share @ solved[:-1].reshape(NODES, -1).view(np.float64)).view(np.complex128).reshape(len(at), *solved.shape[1:])
-    return (far, found) if np.abs(found[last] - solved[-1]).max(initial=0.0) <= AGREES * np.abs(solved).max(initial=0.0) else none
+    if np.abs(found[last] - solved[-1]).max(initial=0.0) > AGREES * np.abs(solved).max(initial=0.0):
+        return none
+    return far, found[:, :, :r], found[:, :, r:]
 
 
 def _chebyshev(at: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], Array]:
@@ -145,7 +135,7 @@ def answering(matrices: Matrices, at: npt.NDArray[Any]) -> Callable[[Array], Com
     """``of(row)``: what all coordinates beside a base held still answer (n, k - b, a) at s / i (n,) [rad/s] to a force along each
     of `row` (a, j), which is nothing behind j. What belongs to `far_coordinates` alone is solved at few frequencies."""
     b, k = matrices.base, len(matrices.mass)
-    far, follow = far_coordinates(matrices, at)
+    far, follow, _ = far_coordinates(matrices, at)
     near, follow = np.delete(np.arange(b, k), far - b), follow[:, :, b:]
     D, (nodes, share) = dynamic_matrix(matrices, at, near), _chebyshev(at)
     inner = np.linalg.inv(D[:, :, near] + D[:, :, far] @ follow)
@@ -159,12 +149,6 @@ def answering(matrices: Matrices, at: npt.NDArray[Any]) -> Callable[[Array], Com
         return answer
 
     return of
-
-
-def turning(frequency: Array, decay_rate: float | Array) -> npt.NDArray[Any]:
-    """(n,) [rad/s] s / i at `frequency` (n,) [Hz] on the axis s = i omega + decay_rate, real where that is 0."""
-    omega = 2 * np.pi * frequency
-    return omega - 1j * decay_rate if np.any(decay_rate) else omega
 
 
 def accelerance(
@@ -217,9 +201,6 @@ LEAST = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 """[share] of the largest direction below which one is left out: the first of these at which they agree. A decade is a half more
 directions; the last is rounding."""
 
-WORTH_CONDENSING = 0.75
-"""[share] of the coordinates above which nothing is condensed: that costs more than it saves. By counting."""
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Condensed:
@@ -271,7 +252,7 @@ class Condensed:
         own = dynamic_matrix(Matrices(base=0, mass=M, stiffness=K, viscous=C, structural=S), at[some[1::2]])
         for least in LEAST:
             w = m + np.count_nonzero(large > least * large[0])
-            if w > k * WORTH_CONDENSING:
+            if w > k * of_matrices.WORTH_CONDENSING:
                 return None
             told = every[:, :w] @ np.linalg.solve(own[:, :w, :w], every[:, :w].T @ loads)
             if np.all(np.abs(told - due).max(axis=1) <= SPANNED * np.abs(due).max(axis=1)):
@@ -285,16 +266,10 @@ class Condensed:
 
     def tangents(self, answered: CondensedTransfer, changes: Mapping[str, Tangent]) -> dict[str, ComplexArray]:
         """By parameter d matrix / d offset, (n, r, d), of what was `answered` on the fewer coordinates; these are held: answers,
-        which lie in them, say no more. What changes one row and its column alone is met on the coordinates that it has."""
-        W, still = self.directions, np.zeros((self.directions.shape[1],) * 2)
-        crossing, whole = {name: one for name, one in changes.items() if one.crossing is not None}, dict[str, Tangent]()
-        for name, change in changes.items() - crossing.items():
-            own = W[change.at]
-            M, K, C, S = (own.T @ (one @ own) if (one := getattr(change, field)).any() else still for field in FIELDS)
-            whole[name] = Tangent(at=np.arange(len(still)), mass=M, stiffness=K, viscous=C, structural=S)
-        sides = (np.ascontiguousarray(side).view(np.float64) for side in (answered.left, answered.right))
-        left, right = (np.tensordot(W, side, axes=1).view(np.complex128) for side in sides)
-        return transfer_tangents(answered, whole) | transfer_tangents(replace(answered, left=left, right=right), crossing)
+        which lie in them, say no more."""
+        W, sides = self.directions, (answered.left, answered.right)
+        left, right = (np.tensordot(W, np.ascontiguousarray(one).view(np.float64), axes=1).view(np.complex128) for one in sides)
+        return transfer_tangents(replace(answered, left=left, right=right), changes, [(W, one) for one in sides])
 
 
 def _modes_near(matrices: Matrices, omega: Array) -> tuple[Array, Array] | None:
@@ -309,35 +284,6 @@ def _modes_near(matrices: Matrices, omega: Array) -> tuple[Array, Array] | None:
     except np.linalg.LinAlgError:
         return None
     return shapes, shapes.T @ both
-
-
-def transfer_tangents(answered: CondensedTransfer, changes: Mapping[str, Tangent]) -> dict[str, ComplexArray]:
-    """By parameter d matrix / d offset, (n, r, d)."""
-    made, omega = {}, answered.omega[:, None, None]
-    factors = [answered.sign * one for one in (np.ones_like(omega), -1 / omega**2, -1j / omega, -1j / omega**2)]
-    for name, change in changes.items():
-        # Each field by itself: those that do not change cost nothing, nor do coordinates that do not
-        row = len(change.at) and change.at[-1] + 1 - change.at[0] == len(change.at)
-        at = slice(change.at[0], change.at[-1] + 1) if row else change.at  # of neighbours nothing is copied
-        left, right = answered.left[at], answered.right[at]
-        fields = zip((change.mass, change.stiffness, change.viscous, change.structural), factors, strict=True)
-        found = [factor * _product(left, matrix, right, change.crossing) for matrix, factor in fields if matrix.any()]
-        made[name] = sum(found[1:], found[0]) if found else np.zeros_like(answered.matrix)
-    return made
-
-
-def _product(left: ComplexArray, matrix: Array, right: ComplexArray, crossing: int | None) -> ComplexArray:
-    """left^T matrix right, (n, r, d), of sides (k, n, r) and (k, n, d): one real product for all lines."""
-    if crossing is not None:
-        # The same of a row `matrix` (k,) that is the column, too: two sums over the coordinates
-        flat = (side.reshape(len(side), -1).view(np.float64) for side in (left, right))  # real rows, and sides as real numbers
-        over_left, over_right = (
-            (matrix @ each).view(np.complex128).reshape(side.shape[1:]) for each, side in zip(flat, (left, right), strict=True)
-        )
-        return np.asarray(left[crossing][:, :, None] * over_right[:, None] + over_left[:, :, None] * right[crossing][:, None])
-    k, n, d = right.shape
-    pulled = (matrix @ right.reshape(k, n * d).view(np.float64)).view(np.complex128).reshape(k, n, d)
-    return np.asarray(left.transpose(1, 2, 0) @ pulled.transpose(1, 0, 2))
 
 
 def dynamic_matrix(matrices: Matrices, at: npt.NDArray[Any], rows: slice | Integers = slice(None)) -> ComplexArray:
@@ -408,23 +354,20 @@ def _amplitude(excitation: Excitation, axis: str) -> Array:
 #
 # The moving part is nearly a plate: its second moment across the plane is a small difference of moments that are known to 5 % of
 # their own. So a fit may pass through what no density has (P not definite); only a mass matrix that does not resist is refused.
-# No fit goes `FARTHEST` beyond what is known beforehand: where a grave fault would have the FMD swallow it, the FMD would end as
-# no body at all, and a fit on the brink of that finds no way down.
+# No fit goes `FARTHEST` beyond what is known beforehand: an FMD that swallows a grave fault would end as no body at all.
 
 FMD = "fmd"
+
+NAMES = tuple(f"{FMD}:{one}" for one in PARAMETERS)
+"""Of the ten parameters."""
 
 FARTHEST = 5.0
 """Standard deviations."""
 
 
-def names() -> tuple[str, ...]:
-    """Of the ten parameters."""
-    return tuple(f"{FMD}:{one}" for one in PARAMETERS)
-
-
 def parameters(nominal: Inertia, tolerance: float) -> tuple[Parameter, ...]:
     """The ten, of a moving part that is `nominal` about F within `tolerance`."""
-    ten = zip(names(), UNITS, nominal.parameters.tolist(), (tolerance * scales(nominal)).tolist(), strict=True)
+    ten = zip(NAMES, UNITS, nominal.parameters.tolist(), (tolerance * scales(nominal)).tolist(), strict=True)
     return tuple(
         Parameter(name=name, unit=unit, tolerance=sd, kind=IDENTIFIED, nominal=value, low=-FARTHEST * sd, high=FARTHEST * sd)
         for name, unit, value, sd in ten
@@ -446,7 +389,7 @@ def at(nominal: Inertia, offsets: Offsets) -> Inertia:
     ------
     numpy.linalg.LinAlgError : its mass matrix is not positive definite; a fit then steps back.
     """
-    ten = nominal.parameters + np.array([offsets.get(name, 0.0) for name in names()])
+    ten = nominal.parameters + np.array([offsets.get(name, 0.0) for name in NAMES])
     made = Inertia(parameters=ten)
     np.linalg.cholesky(made.mass_matrix)
     return made
@@ -501,6 +444,11 @@ class Seated:
 Tangents = dict[str, ComplexArray]
 """By parameter, d dynamic mass / d offset (n, 6, 6)."""
 
+Aimed = Mapping[str, Array]
+"""By accelerometer on the article the unit vector (3,) along which it reads, in the axes of F."""
+
+NONE: Aimed = of_matrices.NONE
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SupportedDynamicMass:
@@ -522,9 +470,9 @@ class SupportedDynamicMass:
     mounted: tuple[Parameter, ...] = ()
 
     def solved(
-        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, *, derivatives: Wanted
+        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, *, derivatives: Wanted, sensors: Aimed = NONE
     ) -> "SolvedStructure | None":
-        """What stands there at `frequency` (n,) [Hz], effects on it applied; None where nothing does.
+        """What stands there at `frequency` (n,) [Hz], effects on it applied, and what `sensors` read; None where nothing does.
 
         Raises
         ------
@@ -533,7 +481,8 @@ class SupportedDynamicMass:
         if self.nuisances is None:
             return None
         matrices, tangents = structure(self.nuisances, offsets, effects, derivatives=derivatives)
-        return SolvedStructure(matrices=matrices, tangents=tangents, answered=dynamic_mass(matrices, frequency))
+        rows = _along(sensors, self._bending(matrices, sensors, offsets, False)[0]) if sensors and tangents else None
+        return SolvedStructure(matrices=matrices, tangents=tangents, answered=dynamic_mass(matrices, frequency, rows))
 
     def at(
         self,
@@ -544,37 +493,44 @@ class SupportedDynamicMass:
         *,
         derivatives: Wanted,
         solved: "SolvedStructure | None" = None,
+        sensors: Aimed = NONE,
     ) -> tuple[ComplexArray, Tangents]:
-        """Dynamic mass (n, 6, 6) about F, and how it answers to the parameters of which `derivatives` are wanted.
-
-        `solved` is what `SupportedDynamicMass.solved` says of the same, where it was asked already.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError, ValueError : as `solved`.
+        """Dynamic mass about F, behind it the accelerations at `sensors` along the axes of F beyond those of a rigid article,
+        (n, 6 + 3 a, 6); how it and what they read, (n, 6 + a, 6), answer to the parameters of which `derivatives` are wanted.
+        `solved` is what `SupportedDynamicMass.solved` says of the same, where it was asked already; raises what that raises.
         """
-        base = at(self.moving, offsets).mass_matrix
-        H = np.broadcast_to(base.astype(np.complex128), (len(frequency), 6, 6))
-        found: Tangents = {}
+        n, found = len(frequency), Tangents()
+        H = np.zeros((n, 6 + 3 * len(sensors), 6), dtype=np.complex128)
+        H[:, :6] = at(self.moving, offsets).mass_matrix
+
+        def change(loads: npt.NDArray[Any], read: npt.NDArray[Any] | float = 0.0) -> ComplexArray:
+            whole = np.zeros((n, 6 + len(sensors), 6), dtype=np.complex128)
+            whole[:, :6], whole[:, 6:] = loads, read
+            return whole
+
         if derivatives and not self.exact:
-            found = {
-                name: np.broadcast_to(E.astype(np.complex128), (len(frequency), 6, 6))
-                for name, E in zip(names(), BASIS, strict=True)
-                if is_wanted(name, derivatives)
-            }
-        solved = solved or self.solved(offsets, effects, frequency, derivatives=derivatives)
+            found = {name: change(E) for name, E in zip(NAMES, BASIS, strict=True) if is_wanted(name, derivatives)}
+        solved = solved or self.solved(offsets, effects, frequency, derivatives=derivatives, sensors=sensors)
         if solved is None:
             return H, found
         mounted, changes = self._mounted(solved, effects, drive, derivatives=derivatives)
         seated, told = self._seated(mounted, offsets)
-        T, article = seated.transformation, mounted.matrix + seated.more
-        found |= {name: T.T @ change @ T for name, change in changes.items()}
-        for name, (turning, more) in told.items():
-            if not is_wanted(name, derivatives):
-                continue
-            half = turning.T @ article @ T
-            found[name] = half + half.swapaxes(1, 2) + T.T @ more @ T
-        return H + T.T @ article @ T, found
+        T, article, moved = seated.transformation, mounted.matrix + seated.more, solved.answered.right.transpose(1, 0, 2)
+        bent, beside = self._bending(solved.matrices, sensors, offsets, derivatives)
+        turn, read = _turned(self.standing.pose).T, bent @ moved
+        for name, one in changes.items():
+            of = solved.changes.get(name)
+            found[name] = change(T.T @ one @ T, 0.0 if of is None else of[:, 6:] @ turn @ T)
+        for name, (turned, more) in told.items():
+            if is_wanted(name, derivatives):
+                half = turned.T @ article @ T
+                found[name] = change(half + half.swapaxes(1, 2) + T.T @ more @ T, _along(sensors, read @ turn @ turned))
+        for name, (k, rows) in beside.items():
+            found[name] = change(np.zeros((6, 6)))
+            found[name][:, 6 + k] = [*sensors.values()][k] @ rows @ moved @ turn @ T
+        H[:, :6] += T.T @ article @ T
+        H[:, 6:] = read @ turn @ T
+        return H, found
 
     def attached(
         self,
@@ -595,9 +551,8 @@ class SupportedDynamicMass:
         through : (n, c, 6 + 3 a) what channels read of the loads about F, and of the bending at the accelerometers
         inputs : (r, n, 6) motions of F
         """
-        still, right = replace(solved, tangents={}), solved.answered.right
-        drawn, mounted = (self._mounted(still, some, drive, derivatives=False)[0] for some in ((), effects))
-        T, X = (self._seated(of, offsets)[0].transformation for of in (drawn, mounted))
+        drawn, right = self._mounted(replace(solved, tangents={}), (), drive, derivatives=False)[0], solved.answered.right
+        X = self._seated(drawn, offsets)[0].transformation
         moved = np.tensordot(rows, right[: rows.shape[1]], axes=1) @ _turned(self.standing.pose).T  # (p, n, 6)
         loads, bent = through[:, :, :6] @ X.T, through[:, :, 6:]
         # Whatever effects between base and article make of each entry of its dynamic mass, as large as that is at the line
@@ -614,7 +569,7 @@ class SupportedDynamicMass:
             own = rows[:, solved.matrices.base :]
             bending = self._bending(solved.matrices, sensors, offsets, False)[0][:, solved.matrices.base :]
             back = answering(solved.matrices, solved.answered.omega)(bending)[:, : own.shape[1]]
-            driven = np.einsum("pnj,rnj->rnp", moved, inputs @ T.T, optimize=True)
+            driven = np.einsum("pnj,rnj->rnp", moved, inputs @ X.T, optimize=True)
             found = found - (bent @ (own @ back).swapaxes(1, 2)) * driven[:, :, None]
         return np.asarray(found, dtype=np.complex128)
 
@@ -645,56 +600,18 @@ class SupportedDynamicMass:
 
     def moved(self, offsets: Offsets, effects: Sequence[Added], frequency: Array) -> dict[str, tuple[ComplexArray, ComplexArray]]:
         """By place of the article (n, 3, 6) its accelerations along the axes of F for a unit of every motion of F; and the same
-        beyond those of a rigid article.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError, ValueError : no such body, or a line on an undamped mode.
-        """
-        if self.nuisances is None:
+        beyond those of a rigid article. Raises what `solved` raises."""
+        if (solved := self.solved(offsets, effects, frequency, derivatives=False)) is None:
             return {}
-        matrices, _ = structure(self.nuisances, offsets, effects, derivatives=False)
-        answer = dynamic_mass(matrices, frequency).right.transpose(1, 0, 2)
-        turn, b = self.standing.pose.rotation, matrices.base
+        answer, turn, b = solved.answered.right.transpose(1, 0, 2), self.standing.pose.rotation, solved.matrices.base
         back = _turned(self.standing.pose).T @ rigid_transformation_6(self.standing.pose.position)
         return {
             name: (turn @ rows @ answer @ back, turn @ rows[:, b:] @ answer[:, b:] @ back)
-            for name, rows in matrices.places.items()
+            for name, rows in solved.matrices.places.items()
         }
 
-    def sensed(
-        self, solved: "SolvedStructure | None", offsets: Offsets, frequency: Array, sensors: Sequence[str], *, derivatives: Wanted
-    ) -> tuple[ComplexArray, Tangents]:
-        """(n, 3 a, 6) accelerations along the axes of F at the accelerometers `sensors` of what was `solved`, beyond those of a
-        rigid article, for a unit of every motion of F; and how they answer to the parameters of which `derivatives` are wanted.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError : a line lies on an undamped mode.
-        """
-        if solved is None:
-            return np.zeros((len(frequency), 3 * len(sensors), 6), dtype=np.complex128), {}
-        matrices, tangents, answered = solved.matrices, solved.tangents, solved.answered
-        b, pose, (bent, beside) = matrices.base, self.standing.pose, self._bending(matrices, sensors, offsets, derivatives)
-        back = np.zeros((len(matrices.mass), len(frequency), len(bent)), dtype=np.complex128)
-        if tangents and len(matrices.mass) > b:
-            back[b:] = answering(matrices, 2 * np.pi * frequency)(bent[:, b:]).transpose(1, 0, 2)
-        own = replace(answered, matrix=bent @ answered.right.transpose(1, 0, 2), left=np.ascontiguousarray(back), sign=-1.0)
-        changes = transfer_tangents(own, tangents)
-        R = _turned(pose)
-        seated, told = self._seated(self._mounted(replace(solved, tangents={}), (), BaseDrive(), derivatives=False)[0], offsets)
-        T = seated.transformation
-        found = {name: change @ R.T @ T for name, change in changes.items()}
-        for name, (turning, _) in told.items():
-            if np.any(turning) and is_wanted(name, derivatives):
-                found[name] = own.matrix @ R.T @ turning
-        for name, (k, rows) in beside.items():
-            found[name] = np.zeros((len(frequency), len(bent), 6), dtype=np.complex128)
-            found[name][:, 3 * k : 3 * k + 3] = rows @ answered.right.transpose(1, 0, 2) @ R.T @ T
-        return own.matrix @ R.T @ T, found
-
     def _bending(
-        self, of: Matrices, sensors: Sequence[str], offsets: Offsets, derivatives: Wanted
+        self, of: Matrices, sensors: Iterable[str], offsets: Offsets, derivatives: Wanted
     ) -> tuple[Array, dict[str, tuple[int, Array]]]:
         """(3 a, k) what each coordinate but those of the base moves the accelerometers along the axes of F, where they sit at
         `offsets`; and by wanted parameter of their position which of them it moves by what (3, k), where the model knows it."""
@@ -708,7 +625,7 @@ class SupportedDynamicMass:
                 rows = rows + moved.sum(axis=0)
                 beside |= {which[i]: (k, R @ np.tensordot(R[i], slopes, axes=1) * its_own) for i in np.flatnonzero(told)}
             bent.append(R @ rows * its_own)
-        return np.vstack(bent), beside
+        return np.vstack([np.zeros((0, len(of.mass))), *bent]), beside
 
     def _seated(self, of: MountedDynamicMass, offsets: Offsets) -> tuple[Seated, dict[str, tuple[Array, Array]]]:
         """How the article of `of` stands at `offsets`, and by parameter d X and d (sum of dp_k E_k), (6, 6) each."""
@@ -741,20 +658,17 @@ class SupportedDynamicMass:
     def _mounted(
         self, solved: "SolvedStructure", effects: Sequence[Added], drive: BaseDrive, *, derivatives: Wanted
     ) -> tuple[MountedDynamicMass, Tangents]:
-        R = _turned(self.standing.pose)
-        turned = replace(solved.answered, matrix=R @ solved.answered.matrix @ R.T)
-        if solved.tangents:
-            turned = replace(turned, left=turned.left @ R.T, right=turned.right @ R.T)
+        R, answered = _turned(self.standing.pose), solved.answered
         mounted = MountedDynamicMass(
-            frequency=turned.frequency,
-            matrix=turned.matrix,
+            frequency=answered.frequency,
+            matrix=R @ answered.matrix @ R.T,
             seat=self.standing.pose.position,
             cog=self.standing.pose.rotation @ solved.matrices.cog,
             amplitude=drive.amplitude,
             sweep_rate=drive.sweep_rate,
             block=drive.block,
         )
-        changes = transfer_tangents(turned, solved.tangents)
+        changes = {name: R @ change[:, :6] @ R.T for name, change in solved.changes.items()}
         return prediction_effects.body(mounted, changes, effects, derivatives=bool(derivatives))
 
 
@@ -766,6 +680,13 @@ class SolvedStructure:
     tangents: dict[str, Tangent]
     answered: CondensedTransfer
 
+    @cached_property
+    def changes(self) -> Tangents:
+        """Behind the rows of the dynamic mass those of accelerometers, (n, 6 + a, 6)."""
+        left, right = self.answered.left, self.answered.right
+        worth = 6 * len(self.tangents) > left.shape[2] + 6  # by counting columns
+        return transfer_tangents(self.answered, self.tangents, of_matrices.along_few(left, right) if worth else ())
+
 
 def structure(
     of: Nuisances, offsets: Offsets, effects: Sequence[Added], *, derivatives: Wanted
@@ -775,7 +696,7 @@ def structure(
     drawn, changes = of.at(offsets, derivatives=derivatives)
     matrices, tangents = prediction_effects.structure(drawn, changes, effects, derivatives=derivatives)
     if laws := of.laws:
-        matrices, tangents = with_damping_law(
+        matrices, tangents = of_matrices.with_damping_law(
             matrices, tangents, of.nominal, offsets, derivatives=every, laws=laws, coupling=structural
         )
     # What a user's own matrix has beside its diagonal is told, too, and stays
@@ -783,8 +704,14 @@ def structure(
     if LOSS_COUPLING in laws and (share or every) and told.any():
         own = {name: one for name, one in changes.items() if share and one.viscous.any() and not name.startswith("coupling:")}
         moved = {name: np.diag(np.diag(full(one, "viscous", len(told)))) for name, one in own.items()}
-        matrices, tangents = with_losses_by_mode(matrices, tangents, told, moved, share, derivatives=every)
+        matrices, tangents = of_matrices.with_losses_by_mode(matrices, tangents, told, moved, share, derivatives=every)
     return matrices, {name: change for name, change in tangents.items() if is_wanted(name, derivatives)}
+
+
+def _along(sensors: Aimed, each: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """(..., a, m) what `sensors` read of `each` (..., 3 a, m) along the axes of F."""
+    along, apart = np.array([*sensors.values()]).reshape(-1, 3), each.reshape(*each.shape[:-2], len(sensors), 3, each.shape[-1])
+    return np.asarray(np.einsum("ai,...aim->...am", along, apart))
 
 
 def _turned(pose: Pose) -> Array:

@@ -424,24 +424,16 @@ class _Now:
     def tangent(self, parameter: str) -> Tangent:
         """The derivative by one of the parameters."""
         family, *names = parameter.split(":")
-        by_family: Mapping[str, Callable[..., Tangent]] = {
-            "modulus": self._of_modulus,
-            "support-stiffness": self._of_modulus,
-            "thickness": self._of_thickness,
-            "mesh": self._of_mesh,
-            "mass": self._of_mass,
-            "density": lambda of: of_arrays(len(self.of.nominal.mass), mass=self.of.nominal.mass),
-            "loss": self._of_loss,
-            "frequency": self._of_frequency,
-            "damping": self._of_damping,
-            "participation": self._of_participation,
-            "coupling": self._of_coupling,
-            "mixing": self._of_mixing,
-        }
-        return by_family[family](*names)
+        by_family: Callable[..., Tangent] = getattr(self, f"_of_{family.replace('-', '_')}")
+        return by_family(*names)
 
     def _of_modulus(self, part: str) -> Tangent:
         return self._stiffer(part, self.matrices.parts[part])  # d / d ln: the part as it is now
+
+    _of_support_stiffness = _of_modulus
+
+    def _of_density(self, _: str) -> Tangent:
+        return of_arrays(len(self.of.nominal.mass), mass=self.of.nominal.mass)
 
     def _of_thickness(self, part: str) -> Tangent:
         tau, m = np.exp(self.offsets.get(f"thickness:{part}", 0.0)), self.of.nominal

@@ -32,7 +32,7 @@ from validation.prediction import dynamic_mass, points
 from validation.prediction import effects as prediction_effects
 from validation.prediction.dynamic_mass import AttachedResponse, Finite, structure
 from validation.prediction.effects import Nuisances
-from validation.prediction.tangents import Tangent
+from validation.prediction.tangents import CondensedTransfer, Tangent, of_arrays, transfer_tangents, turning
 
 FORCE_CHANNEL = "force"
 FORCE = f"force-gain:{FORCE_CHANNEL}"
@@ -231,9 +231,7 @@ class ResponseFunctionTest:
         gains = np.array([self._factors[name].value(known.get(name, 0.0)) for name in self._gains])
         return gains, np.array([known.get(name, 0.0) for name in self._delays])
 
-    def _answered(
-        self, offsets: Offsets, f: Array, effects: Sequence[Added]
-    ) -> tuple[Matrices, dynamic_mass.CondensedTransfer, ComplexArray]:
+    def _answered(self, offsets: Offsets, f: Array, effects: Sequence[Added]) -> tuple[Matrices, CondensedTransfer, ComplexArray]:
         """The matrices, accelerances before any leakage and any pick-up's mass, and the factor (n, 1, 1) to what is read."""
         matrices, _ = structure(self.structure, offsets, effects, derivatives=False)
         rows, forces = (one.values for one in self._rows(matrices, offsets))
@@ -272,7 +270,7 @@ class ResponseFunctionTest:
         roves = TRANSDUCER in self._asked and (is_wanted(TRANSDUCER, derivatives) or carried != 0)
         ways = [points.along(matrices, one.place, axis) for one in self.responses if roves for axis in np.eye(3)]
         rows, forces = (np.vstack([one, *ways]) if ways else one for one in (of_responses.values, of_drives.values))
-        condensed = dynamic_mass.Condensed.of(matrices, dynamic_mass.turning(f, decay), np.vstack([rows, forces]).T)
+        condensed = dynamic_mass.Condensed.of(matrices, turning(f, decay), np.vstack([rows, forces]).T)
         if condensed is not None:
             matrices = condensed.matrices
             rows, forces = condensed.of_rows(rows), condensed.of_rows(forces)
@@ -282,17 +280,14 @@ class ResponseFunctionTest:
             left, right = (np.ascontiguousarray(side[:, :, :n]) for side, n in ((answered.left, c), (answered.right, r)))
             answered = replace(answered, matrix=whole[:, :c, :r], left=left, right=right)
         T = answered.matrix
-        of_tangents = dynamic_mass.transfer_tangents if condensed is None else condensed.tangents
+        of_tangents = transfer_tangents if condensed is None else condensed.tangents
         dT = of_tangents(answered, tangents) if derivatives else {}
         left, right = answered.left.transpose(1, 2, 0), answered.right.transpose(1, 2, 0)  # (n, c, k), (n, r, k)
-        for name in _wanted(of_responses.changes, derivatives):
-            at, row = of_responses.changes[name]
-            dT[name] = np.zeros_like(T)
-            dT[name][:, at] = right @ (row if condensed is None else condensed.of_rows(row))
-        for name in _wanted(of_drives.changes, derivatives):
-            at, row = of_drives.changes[name]
-            dT[name] = np.zeros_like(T)
-            dT[name][:, :, at] = left @ (row if condensed is None else condensed.of_rows(row))
+        for of, side, place in ((of_responses, right, 1), (of_drives, left, 2)):
+            for name in _wanted(of.changes, derivatives):
+                at, row = of.changes[name]
+                dT[name] = np.zeros_like(T)
+                dT[name].swapaxes(1, place)[:, at] = side @ (row if condensed is None else condensed.of_rows(row))
         omega, power = answered.omega[:, None, None], POWERS[self.quantity]
         softer = self._softer(answered.omega, offsets)
         T[:, :c, :r] += softer
@@ -302,10 +297,9 @@ class ResponseFunctionTest:
             dT[name][:, :c, gives[name]] = -(omega[:, 0] ** 2) * self._local[:, gives[name]]
         if WINDOW in self._asked and is_wanted(WINDOW, derivatives):
             # d D / d decay = -i (2 (K + i S) / omega³ + i C / omega²)
-            every, none = np.arange(len(matrices.mass)), np.zeros_like(matrices.mass)
-            held = Tangent(at=every, mass=none, stiffness=matrices.stiffness, viscous=none, structural=matrices.structural)
-            lost = Tangent(at=every, mass=none, stiffness=none, viscous=matrices.viscous, structural=none)
-            moved = dynamic_mass.transfer_tangents(answered, {"held": held, "lost": lost})
+            held = of_arrays(len(matrices.mass), stiffness=matrices.stiffness, structural=matrices.structural)
+            lost = of_arrays(len(matrices.mass), viscous=matrices.viscous)
+            moved = transfer_tangents(answered, {"held": held, "lost": lost})
             dT[WINDOW] = 1j / omega * (2 * moved["held"] + moved["lost"]) - power / (1j * omega) * T
             dT[WINDOW][:, :c, :r] += 2 / (1j * omega) * softer
         A, dA = _roved(whole, dT, carried, c, r) if roves else (T, dT)

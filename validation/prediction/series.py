@@ -611,6 +611,10 @@ class SeriesPrediction:
         at, learnt = {**offsets, **self._opened[1]}, self.tested.model.learnt
         return at if learnt is None else learnt.at(at, [*at, *(one.name for one in self._opened[0])])
 
+    def _aimed(self, at: problem.Offsets) -> dict[str, Array]:
+        """By accelerometer on the article the unit vector (3,) along which it reads."""
+        return self._chain.article.directions({one.name: at.get(one.name, 0.0) for one in self._chain.parameters})
+
     def _carried(
         self,
         at: problem.Offsets,
@@ -620,27 +624,15 @@ class SeriesPrediction:
         derivatives: problem.Wanted,
         solved: SolvedStructure | None = None,
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
-        """Loads on the cells, behind them what the article bends at its accelerometers, (n, 6 + 3 a, 6), and how they change.
-
-        `solved` is the structure at these lines, where it is another than that of the effects.
+        """Loads on the cells, behind them what the article bends at its accelerometers, (n, 6 + 3 a, 6), and how they change, the
+        latter along what they read alone, (n, 6 + a, 6). `solved` is the structure there, where it is no longer that of effects.
         """
-        effects, every = prediction_effects.at(self._reaching, at), self.measured.frequency
-        families = [FAMILIES[one.named.family] for one in effects]
-        if self._chain.article.channels:
-            solved = solved or self.tested.carried.solved(at, effects, frequency, derivatives=derivatives)
-            whole = self.tested.carried.at(at, effects, frequency, drive, derivatives=derivatives, solved=solved)
-            names = [one.name for one in self._chain.article.channels]
-            own = self.tested.carried.sensed(solved, at, frequency, names, derivatives=derivatives)
-            nothing = np.zeros_like(whole[0]), np.zeros_like(own[0])
-            changes = {
-                name: np.concatenate([of.get(name, none) for of, none in zip((whole[1], own[1]), nothing, strict=True)], axis=1)
-                for name in {**whole[1], **own[1]}
-            }
-            return np.concatenate([whole[0], own[0]], axis=1), changes
+        effects, every, sensors = prediction_effects.at(self._reaching, at), self.measured.frequency, self._aimed(at)
+        carried, families = self.tested.carried, [FAMILIES[one.named.family] for one in effects]
         # Where what an effect does at a line depends on the lines beside it, it must see all of them
-        if solved is not None or not any(one.side == PROCESSING and one.stage == BODY_STAGE for one in families):
-            return self.tested.carried.at(at, effects, frequency, drive, derivatives=derivatives, solved=solved)
-        H, changes = self.tested.carried.at(at, effects, every, drive, derivatives=derivatives)
+        if solved is not None or sensors or not any(one.side == PROCESSING and one.stage == BODY_STAGE for one in families):
+            return carried.at(at, effects, frequency, drive, derivatives=derivatives, solved=solved, sensors=sensors)
+        H, changes = carried.at(at, effects, every, drive, derivatives=derivatives)
         chosen = np.searchsorted(every, frequency)
         return H[chosen], {name: change[chosen] for name, change in changes.items()}
 
@@ -665,7 +657,9 @@ class SeriesPrediction:
             rows[:, :, unknown] += (of.rows(nominal, frequency)[0] - A0)[:, :, unknown]
         if derivatives:
             loaded = tuple(int(k) for k in np.flatnonzero(np.any(A1 != 0, axis=(0, 2))))
-            through = A1[:, loaded]
+            along = np.array([*self._aimed(at).values()]).reshape(-1, 3)
+            every = np.concatenate([A1[:, :, :6], np.sum(A1[:, :, 6:].reshape(*A1.shape[:2], -1, 3) * along, axis=-1)], axis=2)
+            through = every[:, loaded]
             beside = {name: structural.pop(name) for name in [*structural] if name.startswith(UNTOLD[1])}
             changes = {name: problem.Conveyed(channels=loaded, through=through, quantities=dH) for name, dH in structural.items()}
             names = [one.name for one in of.parameters if problem.is_wanted(one.name, derivatives)]
@@ -675,7 +669,7 @@ class SeriesPrediction:
                 own = np.array(derivative.rows)
                 own[:, :, unknown] += ((name.partition(":")[0] not in UNTOLD) * there.rows - here.rows)[:, :, unknown]
                 if name in beside:  # it sits where the article bends otherwise, too
-                    own += A1[:, list(derivative.channels)] @ beside[name]
+                    own += every[:, list(derivative.channels)] @ beside[name]
                 changes[name] = problem.Change(channels=derivative.channels, rows=own)
         for one, column, change in shares(self.tested, frequency):
             rows[:, column] += at.get(one.name, 0.0) * change

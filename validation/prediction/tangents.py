@@ -1,11 +1,14 @@
 """How reduced matrices change with one parameter, and how their losses are taken, with all derivatives."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
+from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array, Integers
 from validation.effects.stages import Matrices, Shares
 from validation.estimation.problem import Offsets
@@ -54,10 +57,10 @@ class Tangent:
 FIELDS = ("mass", "stiffness", "viscous", "structural")
 
 
-NOT_BY_PARTS: Mapping[str, Array] = MappingProxyType({})
+NONE: Mapping[str, Array] = MappingProxyType({})
 
 
-def of_arrays(size: int, parts: Mapping[str, Array] = NOT_BY_PARTS, **changes: Array) -> Tangent:
+def of_arrays(size: int, parts: Mapping[str, Array] = NONE, **changes: Array) -> Tangent:
     """The tangent of full (size, size) `changes` by the names of `FIELDS`; what is not named does not change."""
     moving = np.zeros(size, dtype=bool)
     for change in changes.values():
@@ -241,3 +244,103 @@ def with_losses_by_mode(
     if derivatives:
         found[LOSS_COUPLING] = plus(found[LOSS_COUPLING], away, size) if LOSS_COUPLING in found else away
     return replace(matrices, viscous=matrices.viscous + share * full(away, "viscous", size)), found
+
+
+FEW = 1e-9
+"""[share] of the largest answer of each coordinate by which few directions may miss it, at any line. Held by test_matrices.py."""
+
+SHOWN = 32
+"""[count] of lines at least at which these directions are looked for. Held by test_matrices.py."""
+
+WORTH_CONDENSING = 0.75
+"""[share] of the coordinates above which nothing is condensed: that costs more than it saves. By counting."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CondensedTransfer:
+    """Transfer at every line, and the answers of all coordinates that its derivatives are made of.
+
+    Attributes
+    ----------
+    frequency : (n,) [Hz]
+    matrix : (n, r, d) complex: dynamic mass (n, 6, 6) about the article's origin, or accelerance [1/kg]
+    left, right : (k, n, r), (k, n, d), by coordinate: d matrix = sign * left^T dD right
+    sign : +1 of a dynamic mass, -1 of an accelerance
+    decay_rate : [1/s] by which the axis is moved, see `accelerance`
+    """
+
+    frequency: Array
+    matrix: ComplexArray
+    left: ComplexArray
+    right: ComplexArray
+    sign: float
+    decay_rate: float | Array = 0.0
+
+    @property
+    def omega(self) -> npt.NDArray[Any]:
+        """(n,) [rad/s], s / i of every line."""
+        return turning(self.frequency, self.decay_rate)
+
+
+def turning(frequency: Array, decay_rate: float | Array) -> npt.NDArray[Any]:
+    """(n,) [rad/s] s / i at `frequency` (n,) [Hz] on the axis s = i omega + decay_rate, real where that is 0."""
+    omega = 2 * np.pi * frequency
+    return omega - 1j * decay_rate if np.any(decay_rate) else omega
+
+
+def transfer_tangents(
+    answered: CondensedTransfer, changes: Mapping[str, Tangent], few: Sequence[tuple[Array, ComplexArray]] = ()
+) -> dict[str, ComplexArray]:
+    """By parameter d matrix / d offset, (n, r, d). What changes one row and its column alone is met on the coordinates that it
+    has, all else along `few` directions (k, w) of what was `answered`, left and right, where those are known."""
+    made, omega = {}, answered.omega[:, None, None]
+    factors = [answered.sign * one for one in (np.ones_like(omega), -1 / omega**2, -1j / omega, -1j / omega**2)]
+    (_, n, r), d = answered.left.shape, answered.right.shape[2]
+    for name, change in changes.items():
+        # Each field by itself: those that do not change cost nothing, nor do coordinates that do not
+        row = len(change.at) and change.at[-1] + 1 - change.at[0] == len(change.at)
+        at = slice(change.at[0], change.at[-1] + 1) if row else change.at  # of neighbours nothing is copied
+        fields = [(one, by) for field, by in zip(FIELDS, factors, strict=True) if (one := getattr(change, field)).any()]
+        left, right = answered.left[at], answered.right[at]
+        if few and change.crossing is None:
+            (V, left), (W, right) = few
+            fields = [(V[at].T @ (matrix @ W[at]), factor) for matrix, factor in fields]
+        found = [factor * _product(left, matrix, right, change.crossing) for matrix, factor in fields]
+        made[name] = sum(found[1:], found[0]) if found else np.zeros((n, r, d), dtype=np.complex128)
+    return made
+
+
+def along_few(*sides: ComplexArray) -> list[tuple[Array, ComplexArray]]:
+    """Of each of `sides` (k, n, r) the directions (k, w) in which it lies, and how far along each (w, n, r); none where they are
+    not few. What follows without a resonance near the band goes smoothly; every line is held against what some show."""
+    from scipy.linalg import qr
+
+    found: list[tuple[Array, ComplexArray]] = []
+    for side in sides:
+        if found and side is sides[0]:
+            return 2 * found
+        k, n, r = side.shape
+        size = np.abs(side).max(axis=(1, 2))
+        size[size == 0] = 1.0
+        own = np.divide(side, size[:, None, None], order="C")
+        seen = np.ascontiguousarray(own[:, :: max(n // SHOWN, 1)]).reshape(k, -1)
+        seen /= np.maximum(np.abs(seen).max(axis=0), LIGHTEST)  # each line as large as any other
+        axes, told, _ = qr(seen.view(np.float64), mode="economic", pivoting=True, check_finite=False)
+        told, flat = np.abs(np.diag(told)), own.reshape(k, -1).view(np.float64)
+        W = axes[:, : np.count_nonzero(told > FEW / k * told[0])]
+        along = W.T @ flat
+        if W.shape[1] > k * WORTH_CONDENSING or np.abs(flat - W @ along).max() > FEW:
+            return []
+        found.append((size[:, None] * W, along.view(np.complex128).reshape(-1, n, r)))
+    return found
+
+
+def _product(left: ComplexArray, matrix: Array, right: ComplexArray, crossing: int | None) -> ComplexArray:
+    """left^T matrix right, (n, r, d), of sides (k, n, r) and (k, n, d): one real product for all lines."""
+    if crossing is not None:  # the same of a row `matrix` (k,) that is the column, too: two sums over the coordinates
+        sums = [(matrix @ one.reshape(len(one), -1).view(np.float64)).view(np.complex128) for one in (left, right)]
+        whole, beyond = (one.reshape(side.shape[1:]) for one, side in zip(sums, (left, right), strict=True))
+        return np.asarray(left[crossing][:, :, None] * beyond[:, None] + whole[:, :, None] * right[crossing][:, None])
+    k, n, d = right.shape
+    pulled = (matrix @ right.reshape(k, n * d).view(np.float64)).view(np.complex128).reshape(-1, n, d)
+    return np.asarray(left.transpose(1, 2, 0) @ pulled.transpose(1, 0, 2))

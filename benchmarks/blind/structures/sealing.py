@@ -346,7 +346,8 @@ def _on_base(
     forces: bool,
 ) -> StructureTest:
     """Six runs of a base that moves along one axis and a little along the others: spectra of accelerometers on it, of `sensors`,
-    which sit `at` (3,) [m], and of the cells below the plate that carries it, which share a load by their stiffness."""
+    which sit `at` (3,) [m], and of the cells below the plate that carries it, which share a load by their stiffness. Pick-ups
+    tilt with the base: its accelerations are those that they read and that the structure feels, its weight's share included."""
     f = np.linspace(*band, LINES)
     bent, carried = lab.on_base(f, rows)
     X = rigid_transformation_6(SEAT)
@@ -387,7 +388,7 @@ def _on_base(
 
 def _channel(name: str, quantity: str, group: str, at: Array, axis: int) -> Channel:
     places = (Place(position=at, direction=np.eye(3)[axis]),)
-    return Channel(name=name, quantity=quantity, group=group, places=places, senses_gravity=False)
+    return Channel(name=name, quantity=quantity, group=group, places=places)
 
 
 def _table(

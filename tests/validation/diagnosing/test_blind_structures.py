@@ -12,7 +12,7 @@ from benchmarks.blind.score.structures import structure_outcome
 from benchmarks.blind.structures import sealing, shapes
 from benchmarks.blind.structures.drawing import ON_BASE, STRUCK, STRUCTURES, Fault, draw, planted
 from fem.structure import place_rows
-from validation.diagnose.candidates import baseline
+from validation.diagnose.candidates import baseline, candidates, screen
 from validation.prediction.structure import by_itself, joint_springs
 from validation.study import Study
 from validation.virtual_test.layout import stream
@@ -75,6 +75,15 @@ def test_a_sound_structure_on_a_base_is_read_with_the_noise_that_it_has(test: st
     assert fit.converged
     assert fit.chi2 < 1.1 * fit.degrees_of_freedom
     assert fit.tolerance_z2 < fit.tolerances
+
+
+def test_cells_below_a_drawn_structure_feel_its_weight_where_the_base_tilts(tmp_path: Path) -> None:
+    """Pick-ups that feel no tilt stood in a laboratory without weight: all of the weight of a sound frame was told missing."""
+    case = next(one for one in draw(2144645175, ("nulls",), STRUCTURES) if (one.shape, one.test) == ("frame", ON_BASE[1]))
+    sealing.sealed(case, tmp_path / "case")
+    study = Study.open(tmp_path / "case" / "model.toml", [tmp_path / "case" / "campaign"], band=(10.0, 20.0))
+    (told,) = screen(study, baseline(study), [one for one in candidates(study) if one.named.id == "gravity"])
+    assert abs(told.told.estimate) < 0.5  # of all of it, known to 0.25
 
 
 @pytest.mark.proof  # a large case for its rounding; frames on a base are read above

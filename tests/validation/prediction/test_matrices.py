@@ -19,6 +19,7 @@ from geometry.routes import inertia
 from validation.effects.stages import Matrices
 from validation.prediction import dynamic_mass, mounting, points
 from validation.prediction import structure as prediction_structure
+from validation.prediction import tangents as prediction_tangents
 from validation.prediction.effects import nuisances
 from validation.prediction.tangents import FIELDS, Tangent, crossed, full, of_arrays, plus
 
@@ -265,12 +266,31 @@ def test_what_is_far_above_the_band_is_solved_at_few_lines_and_answers_at_all_of
     for name, axis in (("matrix", 0), ("right", 1)):
         known = np.concatenate([getattr(one, name) for one in each], axis=axis)
         np.testing.assert_allclose(getattr(found, name), known, rtol=0, atol=1e-11 * np.abs(known).max())
-    far, _ = dynamic_mass.far_coordinates(m, 2 * np.pi * lines)
+    far, *_ = dynamic_mass.far_coordinates(m, 2 * np.pi * lines)
     assert len(far) > len(m.mass) / 2
     asked, whole = [], dynamic_mass.dynamic_matrix
     monkeypatch.setattr(dynamic_mass, "dynamic_matrix", lambda of, at, rows: asked.append((at, rows)) or whole(of, at, rows))
     dynamic_mass.dynamic_mass(m, lines)
     assert sum(len(at) for at, rows in asked if set(far) & set(rows)) == dynamic_mass.NODES + 1
+
+
+def test_derivatives_are_made_of_few_directions_where_answers_lie_in_few(monkeypatch):
+    generator, k = np.random.default_rng(4), 120
+    hertz = np.concatenate([np.zeros(6), [8.0, 13.0, 21.0, 29.0], np.geomspace(70.0, 900.0, k - 10)])
+    M, K = np.eye(k) + 0.02 * (mixed := generator.standard_normal((k, k))) @ mixed.T / 11, np.diag((2 * np.pi * hertz) ** 2)
+    m = Matrices(base=6, mass=M, stiffness=K, viscous=0 * K, structural=0.02 * K, places={})
+    lines = np.linspace(4.0, 32.0, 5 * dynamic_mass.NODES)
+    answered = dynamic_mass.dynamic_mass(m, lines, generator.standard_normal((2, k)) * (hertz > 0))
+    scale = 2 * np.pi * hertz
+    each = [scale[:, None] * one * scale for one in generator.standard_normal((4, k, k))]
+    changes = {f"{number}": of_arrays(k, stiffness=one + one.T) for number, one in enumerate(each)}
+    due, sides = dynamic_mass.transfer_tangents(answered, changes), (answered.left, answered.right)
+    few = prediction_tangents.along_few(*sides)
+    assert max(len(along) for _, along in few) < 0.6 * k
+    for name, change in dynamic_mass.transfer_tangents(answered, changes, few).items():
+        np.testing.assert_allclose(change, due[name], rtol=0, atol=100 * prediction_tangents.FEW * np.abs(due[name]).max())
+    monkeypatch.setattr(prediction_tangents, "SHOWN", 3)  # what they do not show is found out at the other lines
+    assert not prediction_tangents.along_few(*sides)
 
 
 @pytest.mark.parametrize("decay", [0.0, 0.4])
@@ -365,8 +385,8 @@ def test_what_turns_two_modes_or_moves_one_is_made_no_whole_matrix_where_it_is_c
     of = nuisances("clumod", m, np.sqrt(np.diag(m.stiffness)[:12]) / (2 * np.pi), {})
     now = {name: one for name, one in of.at({})[1].items() if name.split(":")[0] in ("mixing", "coupling", "frequency")}
     assert len(now) == 12 + len(of.pairs) + len(of.mixed) > 12
-    asked, product = [], dynamic_mass._product
-    monkeypatch.setattr(dynamic_mass, "_product", lambda *of: asked.append(of[1].ndim) or product(*of))
+    asked, product = [], prediction_tangents._product
+    monkeypatch.setattr(prediction_tangents, "_product", lambda *of: asked.append(of[1].ndim) or product(*of))
     found = few.tangents(condensed, now)
     assert set(asked) == {1}
     due = dynamic_mass.transfer_tangents(answered, now)
