@@ -353,6 +353,22 @@ def test_modes_with_a_load_are_those_of_the_matrices_with_it_to_a_ten_thousandth
     assert (np.diag(mac(loaded.shapes[:, few].T, due.shapes[:, few].T)) > 1 - 1e-6).all()
 
 
+def test_a_mass_where_a_table_has_few_modes_of_many_is_read_as_the_modes_between_and_beyond_them_have_it() -> None:
+    n, few, alone, zeros = 60, [0, 13], np.eye(60), np.zeros((60, 60))
+    stiffness = n * K * (np.diff(alone, axis=0).T @ np.diff(alone, axis=0) + np.diag(alone[0]))
+    at = {name: np.vstack([alone[9 * k + 4], np.zeros((2, n))]) for k, name in enumerate(NAMES)}
+    made = Matrices(base=0, mass=M / 10 * alone, stiffness=stiffness, viscous=zeros, structural=zeros, places=at)
+    known = StructureTolerances(damping_law=0.0, mode_coupling=0.0, mode_damping=0.0)
+    nominal = prediction_effects.nuisances("chain", made, np.ones(1), {}, known)
+    modes = modal_table.real_modes(nominal.nominal)
+    shapes, f = modes.shapes[[9 * k + 4 for k in range(COUNT)]][:, few].T, modes.frequency[few]
+    frequencies, _ = modal_table.of(nominal, table(nominal, 2, frequency=f, frequency_deviation=0.002 * f, shapes=shapes))
+
+    found = frequencies.finite({}, np.array([0]))(at["mass-3"])(np.full(3, 0.5), np.zeros(3)).ravel().real
+    heavier = modal_table.real_modes(replace(made, mass=made.mass + 0.5 * at["mass-3"].T @ at["mass-3"]))
+    assert_allclose(found - f, heavier.frequency[few] - f, rtol=1e-3)
+
+
 def test_a_table_without_damping_asks_no_derivative_by_losses_for_they_change_nothing_that_it_has() -> None:
     nominal = chain()
     bare = replace(table(nominal), damping_ratio=None, damping_deviation=None)
