@@ -167,16 +167,16 @@ class RealModes:
         `count` of the modes are mixed as they are, and of all others what they give to forces along `row` and to the inertia of
         that: what a mode lacks goes with the fourth power of its frequency over theirs.
         """
-        at = row @ self.shapes[: row.shape[1]]
-        far, moving = self.squares[count:], np.isfinite(self.squares[count:])
-        stiff, heavy = np.where(moving, far, 1.0), moving * 1.0
-        gives = at[:, count:].T / np.sqrt(stiff)[:, None]
-        gives, _ = np.linalg.qr(np.hstack([gives, gives * (heavy / stiff)[:, None]]))
-        others = gives / np.sqrt(stiff)[:, None]  # of strain energy 1/2
+        at, moving = row @ self.shapes[: row.shape[1]], np.isfinite(self.squares)
+        stiff, heavy = np.where(moving, self.squares, 1.0), moving * 1.0
+        gives = at[:, count:].T / np.sqrt(stiff[count:, None])
+        gives, _ = np.linalg.qr(np.hstack([gives, gives * (heavy / stiff)[count:, None]]))
+        others = gives / np.sqrt(stiff[count:, None])  # of strain energy 1/2
         mixed = np.hstack([self.shapes[:, :count], self.shapes[:, count:] @ others])
-        at, near = np.hstack([at[:, :count], at[:, count:] @ others]), np.minimum(count, len(self.squares))
-        stiffness, mass = np.diag(np.append(self.squares[:count], np.ones(others.shape[1]))), np.eye(near + others.shape[1])
-        mass[near:, near:] = others.T @ (heavy[:, None] * others)
+        at, near = np.hstack([at[:, :count], at[:, count:] @ others]), len(stiff[:count])
+        more = np.ones(others.shape[1])
+        stiffness, mass = np.diag(np.append(stiff[:count], more)), np.diag(np.append(heavy[:count], more))
+        mass[near:, near:] = others.T @ (heavy[count:, None] * others)
 
         def modes(masses: Array, springs: Array) -> RealModes:
             squares, shapes = real_pairs(stiffness + (at.T * springs) @ at, mass + (at.T * masses) @ at)
