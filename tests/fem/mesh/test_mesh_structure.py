@@ -230,7 +230,7 @@ def test_what_a_joint_gives_shows_from_the_first_radian_however_stiff_it_is(mesh
         phi = modes.shapes[:, 6:10]
         (tangent,) = found.values()
         derivative = np.sum(phi * (full(tangent, "stiffness", len(phi)) @ phi), axis=0)
-        step = 1e-7
+        step = 5e-7  # well above the rounding of eigenvalues; what it curves by is 0.2 %
         more = FAMILIES["connection-compliance"].change(m, ("bolt@right", "gamma"), {"": size + step})
         slope = (real_modes(more).squares[6:10] - modes.squares[6:10]) / step
         assert_allclose(derivative, slope, rtol=0.02, atol=2e-3 * abs(slope).max())
