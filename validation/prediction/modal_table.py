@@ -170,7 +170,7 @@ class RealModes:
         at, moving = row @ self.shapes[: row.shape[1]], np.isfinite(self.squares)
         stiff, heavy = np.where(moving, self.squares, 1.0), moving * 1.0
         gives = at[:, count:].T / np.sqrt(stiff[count:, None])
-        gives, _ = np.linalg.qr(np.hstack([gives, gives * (heavy / stiff)[count:, None]]))
+        gives, _ = np.linalg.qr(np.hstack([gives, gives * (heavy[count:] / stiff[count:])[:, None]]))
         others = gives / np.sqrt(stiff[count:, None])  # of strain energy 1/2
         mixed = np.hstack([self.shapes[:, :count], self.shapes[:, count:] @ others])
         at, near = np.hstack([at[:, :count], at[:, count:] @ others]), len(stiff[:count])
