@@ -141,7 +141,7 @@ def _mistake() -> tuple[str, float, int]:
         with suppress(BadInput):  # some leave no six motions that could be read
             off = DEVIATIONS - exact(way, [one])
             found[one.id] = float(off @ np.linalg.solve(V, off))
-    name = min(found, key=lambda key: found[key])
+    name = min(found, key=lambda key: (round(found[key], 6), key))  # plugs opposite each other tie but for rounding
     return name, found[name], len(signs) + len(swaps)
 
 
