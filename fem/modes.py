@@ -193,12 +193,14 @@ def _by_lanczos(K: Sparse, M: Sparse, count: int, shift: float, factoriser: str 
         progress(solved)
         return np.asarray(factor.solve(b), dtype=np.float64)
 
-    pairs = _iterated(K, M, count, shift, solve, np.zeros((K.shape[0], 0)))
+    # What measures lengths: the mass, or the energy where more of it is taken away from a place than is there
+    length = K - shift * M if M.diagonal().min() < 0 else M
+    pairs = _iterated(K, M, count, shift, solve, np.zeros((K.shape[0], 0)), length)
     for _ in range(ROUNDS):
-        best = largest_left(M, pairs.vectors, solve, _length(K, M, shift))
+        best = largest_left(M, pairs.vectors, solve, length)
         if best <= MISSED / (pairs.values[-1] - shift):
             return replace(pairs, factor=factor)
-        others = _iterated(K, M, count, shift, solve, pairs.vectors)
+        others = _iterated(K, M, count, shift, solve, pairs.vectors, length)
         together = _sorted(np.append(pairs.values, others.values), np.hstack([pairs.vectors, others.vectors]))
         pairs = Eigenpairs(values=together.values[:count], vectors=together.vectors[:, :count])
     frequency = np.sqrt(max(shift + 1 / best, 0.0)) / (2 * np.pi)
@@ -206,8 +208,10 @@ def _by_lanczos(K: Sparse, M: Sparse, count: int, shift: float, factoriser: str 
     raise CheckFailed(said, frequency_hz=frequency)
 
 
-def _iterated(K: Sparse, M: Sparse, count: int, shift: float, solve: Callable[[Array], Array], known: Array) -> Eigenpairs:
-    """`count` eigenpairs by ARPACK in the space M-orthogonal to the modes `known` (f, m)."""
+def _iterated(
+    K: Sparse, M: Sparse, count: int, shift: float, solve: Callable[[Array], Array], known: Array, length: Sparse
+) -> Eigenpairs:
+    """`count` eigenpairs by ARPACK in the space M-orthogonal to the modes `known` (f, m), as `length` measures."""
     from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
     def inverse(b: Array) -> Array:
@@ -218,8 +222,8 @@ def _iterated(K: Sparse, M: Sparse, count: int, shift: float, solve: Callable[[A
     start = inverse(M @ np.random.default_rng(0).standard_normal(size))  # M first: a massless direction has no place in it
     operator, ncv = LinearOperator(K.shape, matvec=inverse, dtype=np.float64), min(size, max(2 * count + 1, 20))
     try:
-        if (energy := _length(K, M, shift)) is not M:
-            theta, vectors = eigsh(M, count, M=energy, Minv=operator, v0=start, ncv=ncv, tol=CONVERGED, which="LA")
+        if length is not M:
+            theta, vectors = eigsh(M, count, M=length, Minv=operator, v0=start, ncv=ncv, tol=CONVERGED, which="LA")
             return _sorted(shift + 1 / theta, vectors / np.sqrt(theta))
         return _sorted(*eigsh(K, count, M=M, sigma=shift, OPinv=operator, v0=start, ncv=ncv, tol=CONVERGED))
     except ArpackNoConvergence as error:
@@ -228,11 +232,6 @@ def _iterated(K: Sparse, M: Sparse, count: int, shift: float, solve: Callable[[A
             "check that stiffness and mass are symmetric and in the same units.",
             found=len(error.eigenvalues),
         ) from None
-
-
-def _length(K: Sparse, M: Sparse, shift: float) -> Sparse:
-    """What measures lengths: the mass, or the energy where more of it is taken away from a place than is there."""
-    return K - shift * M if M.diagonal().min() < 0 else M
 
 
 def largest_left(M: Sparse, vectors: Array, solve: Callable[[Array], Array], length: Sparse) -> float:

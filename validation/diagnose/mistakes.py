@@ -595,7 +595,7 @@ def tolerated(due: Predicted, parameters: Sequence[Parameter], together: Sequenc
     """
     p = due.rows[..., 0]
     own = p / np.maximum(np.linalg.norm(p, axis=-1, keepdims=True), TINY)
-    square, spans = np.zeros(p.shape), [(list(group), np.linalg.qr(p[group, 0].T)[0]) for group in map(list, together)]
+    square, spans = np.zeros(p.shape), [(group, np.linalg.qr(p[group, 0].T)[0]) for group in map(list, together)]
     for one in parameters:
         if one.name in due.changes and np.isfinite(one.tolerance):
             change, moved = due.changes[one.name], np.zeros_like(p)
